@@ -37,11 +37,11 @@ pub fn advice(
     advice
 }
 
-/// Without anything learned. Only what is seen to be no person takes one away: that somebody stands still, or has an
-/// unlikely shape, does not.
+/// Without anything learned. Only a positive explanation takes a person away: standing still, or an unlikely
+/// shape, does not.
 fn is_reported(track: &Track) -> bool {
-    let is_thing = track.explanation.is_some_and(Explanation::is_positive);
-    track.person_probability >= PERSON_PROBABILITY_MIN && !is_thing
+    let is_object = track.explanation.is_some_and(Explanation::is_positive);
+    track.person_probability >= PERSON_PROBABILITY_MIN && !is_object
         || track.moving_probability >= MOVING_PROBABILITY_MIN
 }
 

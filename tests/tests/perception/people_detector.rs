@@ -19,10 +19,10 @@ fn walking_people_of_a_real_hall_are_claimed() {
     assert!(report.other_claims_per_frame <= 2.0, "{} others a frame", report.other_claims_per_frame);
 }
 
-/// Things that are taken for people in real rooms. The bounds are what was measured, rounded up: in the first second 0.8
+/// Objects that are taken for people in real rooms. The bounds are what was measured, rounded up: in the first second 0.8
 /// a sweep in an office, 2.5 in a machine hall and 1.2 in a public hall, where 0.3 are left after ten seconds.
 #[test]
-fn few_things_are_taken_for_people() {
+fn few_objects_are_taken_for_people() {
     let folder = "vlp16_clouds/fabu_hall_people_A_reencoded";
     for (name, first_max) in [
         ("vlp16_packets/einride_office_600rpm.pcap.gz", 1.0),

@@ -1,7 +1,7 @@
-//! What a track is that is taken for a person by its probability and is none. Source: book, Tracking: Things.
+//! What explains a track that is a person by its probability. Source: book, Tracking: Explained objects.
 //!
-//! A thing is a person until it is explained. What moves by itself is never explained, nor what ever moved; what legs
-//! or a camera show at the same time keeps the benefit of the doubt as well.
+//! An object of the shape of a person is one until it is explained. What moves by itself is never explained, nor what
+//! ever moved; what legs or a camera show at the same time keeps the benefit of the doubt as well.
 
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
@@ -12,8 +12,8 @@ use floorguard_types::time::{Age, Stamp};
 pub enum Explanation {
     /// Its surface goes on above the height of people: a pillar, a cupboard, a door frame.
     GoesOnAbove,
-    /// It never moved, and over all looks its shape is rather not a person's; a look at an open place that does not
-    /// find it speaks against it, too.
+    /// It never moved, and on the mean of all sweeps its shape is rather not a person's; a sweep that shows its place
+    /// open without it speaks against it, too.
     UnlikelyShape,
     /// What stands out of a larger object and has been rigid for ten seconds: no breath, no sway.
     RigidPart,
@@ -30,9 +30,9 @@ impl Explanation {
         }
     }
 
-    /// It is seen that there is no person, whatever the classifier says and however long somebody stands still: the
-    /// rules for speed near people need not heed it. Of the others the robot's operator, maps and costs need not be
-    /// told, but the rules go on as if it were a person.
+    /// The surface itself shows that this is not a person, however long a person may stand still: the rules for speed
+    /// near people leave it out. The other explanations count for display, maps and costs alone; for the rules such a
+    /// track goes on being a person.
     #[must_use]
     pub const fn is_positive(self) -> bool {
         matches!(self, Self::GoesOnAbove)
@@ -63,24 +63,24 @@ impl Surroundings {
     }
 }
 
-/// Weight of no evidence at all in the mean of the first looks, and the least share of a look: a memory of two seconds.
-const PRIOR_LOOKS: f32 = 1.0;
-const LOOK_SHARE_MIN: f32 = 0.05;
-/// Log-odds of a look that finds nothing at an open place.
+/// Weight of no evidence at all in the mean of the first sweeps, and the least share of a sweep: a memory of two seconds.
+const PRIOR_SWEEPS: f32 = 1.0;
+const SHARE_MIN: f32 = 0.05;
+/// Log-odds of a sweep that shows nothing at an open place.
 const UNSEEN: f32 = -2.0;
 /// A shape of fewer returns than this says less, in proportion: two rings on a body 15 m away.
 const POINTS_ENOUGH: f32 = 40.0;
 /// Below this mean a shape is rather not a person's, log-odds. Simulated and recorded people who stand in the open have
 /// 0.9 at least.
 const LIKELY_MIN: f32 = 0.3;
-/// Fewer looks than this say nothing.
-const LOOKS_MIN: f32 = 2.0;
-/// Looks that must agree on what surrounds a track, more than those that disagree, and no more than this are counted.
+/// Fewer sweeps than this say nothing.
+const SWEEPS_MIN: f32 = 2.0;
+/// Sweeps that must agree on what surrounds a track, more than those that disagree; no more than the second are counted.
 const AGREE_MIN: u8 = 3;
 const AGREE_MAX: u8 = 10;
-/// Who moved this probably once is none of those that never moved.
+/// What was this probably moving once has moved.
 const MOVED: f32 = 0.25;
-/// Who moves now this probably may be somebody of whom too little is known as yet.
+/// What moves now this probably may be a person of whom too little is known as yet.
 const MOVES: f32 = 0.1;
 /// A rigid object's middle stays within this, metres, and this share of its distance: range noise of 60 returns. The
 /// middle of a recorded person who waits stays within it for four seconds.
@@ -92,9 +92,9 @@ const RIGID_US: u64 = 10_000_000;
 /// What is known for and against a track being a person besides its belief. 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Evidence {
-    /// Mean log-odds of the lidar's looks.
+    /// Mean log-odds of the lidar's sweeps.
     score: f32,
-    looks: f32,
+    sweeps: f32,
     above: u8,
     part: u8,
     has_moved: bool,
@@ -103,9 +103,9 @@ pub(super) struct Evidence {
     rigid_since: Stamp,
 }
 
-/// A look of the lidar that found the track.
+/// A sighting by the lidar.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
+pub(super) struct LidarSighting {
     pub(super) log_odds: f32,
     /// Returns that it rests on.
     pub(super) points: u16,
@@ -119,7 +119,7 @@ impl Evidence {
     pub(super) const fn new(position: Point2, stamp: Stamp) -> Self {
         Self {
             score: 0.0,
-            looks: 0.0,
+            sweeps: 0.0,
             above: 0,
             part: 0,
             has_moved: false,
@@ -129,24 +129,24 @@ impl Evidence {
     }
 
     /// The lidar found it.
-    pub(super) fn see(&mut self, look: &Look) {
-        let share = (f32::from(look.points) / POINTS_ENOUGH).min(1.0);
-        self.look(share * look.log_odds);
-        self.above = counted(self.above, look.surroundings.has(Surroundings::ABOVE));
-        self.part = counted(self.part, look.surroundings.has(Surroundings::PART));
-        if self.home.distance(look.position) > RIGID_M + RIGID_PER_M * look.distance_m {
-            (self.home, self.rigid_since) = (look.position, look.stamp);
+    pub(super) fn see(&mut self, seen: &LidarSighting) {
+        let share = (f32::from(seen.points) / POINTS_ENOUGH).min(1.0);
+        self.weigh(share * seen.log_odds);
+        self.above = counted(self.above, seen.surroundings.has(Surroundings::ABOVE));
+        self.part = counted(self.part, seen.surroundings.has(Surroundings::PART));
+        if self.home.distance(seen.position) > RIGID_M + RIGID_PER_M * seen.distance_m {
+            (self.home, self.rigid_since) = (seen.position, seen.stamp);
         }
     }
 
     /// The lidar looked at its open place and did not find it.
     pub(super) fn miss(&mut self) {
-        self.look(UNSEEN);
+        self.weigh(UNSEEN);
     }
 
-    fn look(&mut self, log_odds: f32) {
-        self.looks += 1.0;
-        let share = (1.0 / (self.looks + PRIOR_LOOKS)).max(LOOK_SHARE_MIN);
+    fn weigh(&mut self, log_odds: f32) {
+        self.sweeps += 1.0;
+        let share = (1.0 / (self.sweeps + PRIOR_SWEEPS)).max(SHARE_MIN);
         self.score += share * (log_odds - self.score);
     }
 
@@ -171,7 +171,7 @@ impl Evidence {
         } else if self.part >= AGREE_MIN && is_rigid {
             Some(Explanation::RigidPart)
         } else {
-            (self.looks >= LOOKS_MIN && self.score < LIKELY_MIN).then_some(Explanation::UnlikelyShape)
+            (self.sweeps >= SWEEPS_MIN && self.score < LIKELY_MIN).then_some(Explanation::UnlikelyShape)
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::appearance::AppearanceOf;
 use super::detection::DetectionOf;
-use super::explanation::{Evidence, Explanation, Look};
+use super::explanation::{Evidence, Explanation, LidarSighting};
 use super::filter::ConstantVelocity;
 use super::sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 use super::tracker::TrackerParameters;
@@ -130,7 +130,7 @@ impl<P: Profile> TrackOf<P> {
             is_lost: false,
         };
         fresh.note_seen_by(sensor, stamp);
-        fresh.note_look((sensor, stamp), detection);
+        fresh.note_sighting((sensor, stamp), detection);
         fresh
     }
 
@@ -188,7 +188,7 @@ impl<P: Profile> TrackOf<P> {
         let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
         let share = sensor.evidence_weight();
         self.moving_probability += MOVING_GAIN * share * (0.5 * f32::from(moves) - self.moving_probability);
-        self.note_look((sensor, stamp), detection);
+        self.note_sighting((sensor, stamp), detection);
         self.believe(share * shape_evidence(detection) + if walking { WALK_GAIN * share } else { 0.0 });
     }
 
@@ -198,9 +198,9 @@ impl<P: Profile> TrackOf<P> {
     }
 
     /// What a sighting by the lidar says besides.
-    fn note_look(&mut self, (sensor, stamp): (PeopleSensor, Stamp), detection: &DetectionOf<P>) {
+    fn note_sighting(&mut self, (sensor, stamp): (PeopleSensor, Stamp), detection: &DetectionOf<P>) {
         if sensor == PeopleSensor::Lidar {
-            self.evidence.see(&Look {
+            self.evidence.see(&LidarSighting {
                 log_odds: shape_evidence(detection),
                 points: detection.points,
                 surroundings: detection.surroundings,

@@ -1,4 +1,4 @@
-//! Things that are taken for people in a capture of a standing VLP-16: how many a sweep, in the first second and after
+//! Objects that are taken for people in a capture of a standing VLP-16: how many a sweep, in the first second and after
 //! ten, and whether the people of a key are still taken for people, each with one identity.
 
 use std::collections::BTreeMap;
@@ -147,8 +147,8 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
 
 /// What explains a track that would be a person without it.
 fn explanation(track: &Track) -> Option<&'static str> {
-    let looks = track.status == TrackStatus::Confirmed && track.person_probability >= 0.5;
-    track.explanation.filter(|_| looks).map(|explanation| explanation.name())
+    let has_shape = track.status == TrackStatus::Confirmed && track.person_probability >= 0.5;
+    track.explanation.filter(|_| has_shape).map(|explanation| explanation.name())
 }
 
 /// How many of some.

@@ -52,11 +52,11 @@ pub enum RecordedStage {
         #[arg(long)]
         key: PathBuf,
     },
-    /// Things taken for people in a capture of a standing VLP-16: in the first second, and after ten.
+    /// Objects taken for people in a capture of a standing VLP-16: in the first second, and after ten.
     People {
         /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
         file: PathBuf,
-        /// Who was where: rows of frame, time_s, track, x, y, named in the first line. Without it nobody was there.
+        /// Who was where: rows of frame, time_s, track, x, y, named in the first line. Without it the place was empty.
         #[arg(long)]
         key: Option<PathBuf>,
     },

@@ -98,7 +98,7 @@ fn legs_or_camera_keep_an_unlikely_shape() {
 }
 
 #[test]
-fn one_wrong_look_above_explains_no_person() {
+fn one_wrong_sweep_above_explains_no_person() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
     for sweep in 0..60 {
         let surroundings = if sweep % 3 == 0 { Surroundings::ABOVE } else { Surroundings::OPEN };
