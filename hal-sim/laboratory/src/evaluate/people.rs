@@ -176,7 +176,7 @@ fn keyed(key: &[KeyRow], frame: u64) -> Vec<(u64, Point2)> {
 }
 
 /// Where keyed people are in a frame that the key leaves out for at most a second: between two of its rows, or just after
-/// the last. They need not be claimed, and whoever claims them is right.
+/// the last. They need not be claimed, and a claim there is right.
 fn unseen(key: &[KeyRow], frame: u64) -> Vec<Point2> {
     let mut people: BTreeMap<u64, [Option<&KeyRow>; 2]> = BTreeMap::new();
     for row in key {
