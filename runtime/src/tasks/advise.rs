@@ -147,9 +147,10 @@ mod tests {
     fn only_a_positive_explanation_takes_a_person_away() {
         let tracker = crowd();
         let people = |explanation: Option<Explanation>, moving_probability: f32| {
-            let explained =
-                { tracker.tracks().iter() }.map(|track| Track { explanation, moving_probability, ..*track });
-            let tracks: std::vec::Vec<Track> = explained.collect();
+            let mut tracks = tracker.tracks().to_vec();
+            for track in &mut tracks {
+                (track.explanation, track.moving_probability) = (explanation, moving_probability);
+            }
             advice(Stamp::from_micros(1_200_000), &tracks, Pose2::default(), |_| None).people.len()
         };
         let all = people(None, 0.0);

@@ -44,5 +44,8 @@ fn few_objects_are_taken_for_people() {
     assert!(report.false_people_in_first_second <= 2.0, "{report:?}");
     assert!(report.false_people_after_ten_seconds.is_some_and(|after| after <= 0.5), "{report:?}");
     // None of the three who walk is lost to an explanation: 0.952 with and without.
-    assert!(report.key_claimed_later.is_some_and(|share| share >= 0.95) && report.switches == 0, "{report:?}");
+    assert!(
+        report.key_claimed_later.is_some_and(|share| share >= 0.95) && report.switches == 0,
+        "{report:?}"
+    );
 }

@@ -112,9 +112,7 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
         for (row, (id, _)) in people.iter().enumerate() {
             let is_covered = pairs.iter().any(|(person, _)| *person == row);
             covered.add(is_covered);
-            if { key.iter() }
-                .any(|row| row.track == *id && row.frame + CONFIRMED_FRAMES <= frame as u64)
-            {
+            if { key.iter() }.any(|row| row.track == *id && row.frame + CONFIRMED_FRAMES <= frame as u64) {
                 covered_later.add(is_covered);
             }
         }

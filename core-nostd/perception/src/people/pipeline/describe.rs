@@ -49,7 +49,8 @@ impl<P: Profile> PeoplePipelineOf<P> {
                     && present & 1_u16.wrapping_shl(truncating_u32(above)) == 0
                 {
                     let raw_above = column.range_raw.get(above).copied().unwrap_or(0);
-                    let goes_on = is_same_surface([*raw, raw_above], [angle.1, angle_above.1], gap_m / unit_m);
+                    let goes_on =
+                        is_same_surface([*raw, raw_above], [angle.1, angle_above.1], gap_m / unit_m);
                     self.candidate_shapes.add_top(slot, point.z_m, goes_on);
                 }
             }

@@ -6,9 +6,7 @@ use floorguard_drivers::velodyne::{
     ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder,
 };
 use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
-use floorguard_perception::people::{
-    FloorHeight, PeoplePipeline, RingAngles, SweepContext,
-};
+use floorguard_perception::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
 use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
