@@ -25,9 +25,11 @@ pub const GUARD: &str = "guard";
 /// Name of the answers to resets among the diagnostics.
 pub const RESET: &str = "reset";
 
-/// Confirmed, and rather a person than not.
+/// Confirmed, rather a person than not, and nothing explains it.
 pub fn is_person(track: &PersonReport) -> bool {
-    track.status == TrackStatus::Confirmed && track.person_probability >= PERSON_PROBABILITY_MIN
+    track.status == TrackStatus::Confirmed
+        && track.person_probability >= PERSON_PROBABILITY_MIN
+        && track.explanation.is_none()
 }
 
 /// All tracks of a sweep: a cylinder each, and an arrow where it moves.
@@ -49,7 +51,7 @@ pub fn person(track: &PersonReport) -> Vec<Marker> {
         pose,
         size_m: if taken { [0.5, 0.5, 1.7] } else { [0.3, 0.3, 0.5] },
         color: if taken { [0.85, 0.25, 0.15, 0.8] } else { [0.5, 0.5, 0.5, 0.4] },
-        text: format!("{} {:.2}", track.id, track.person_probability),
+        text: label(track),
         points: Vec::new(),
     };
     let speed_mps = track.velocity_mps.norm();
@@ -61,6 +63,12 @@ pub fn person(track: &PersonReport) -> Vec<Marker> {
         ..body.clone()
     };
     if speed_mps > STILL_MPS { vec![body, arrow] } else { vec![body] }
+}
+
+/// Number, probability, and what explains it.
+fn label(track: &PersonReport) -> String {
+    let known = track.explanation.map_or("", |explanation| explanation.name());
+    format!("{} {:.2} {known}", track.id, track.person_probability).trim_end().to_owned()
 }
 
 /// Protective and warning field of a set, in the robot's frame.

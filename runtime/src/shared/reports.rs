@@ -1,7 +1,7 @@
 //! What the robot tells about itself: people, health, links.
 
 use floorguard_guard::{Decision, ResetReport, Source, SourceReport};
-use floorguard_perception::people::{PeopleCounters, SensorSet, TrackStatus};
+use floorguard_perception::people::{Explanation, PeopleCounters, SensorSet, TrackStatus};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{ListOf, Native, Profile};
 use floorguard_types::time::Stamp;
@@ -29,6 +29,8 @@ pub struct PersonReport {
     pub moving_probability: f32,
     /// Who has seen it within the last half second.
     pub sensors: SensorSet,
+    /// What explains it, if it is no person in spite of its probability.
+    pub explanation: Option<Explanation>,
 }
 
 /// About one sweep.

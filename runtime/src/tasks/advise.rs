@@ -1,7 +1,7 @@
 //! From tracks to advice: the nearest people in the robot's frame.
 
 use floorguard_guard::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
-use floorguard_perception::people::{Track, TrackStatus};
+use floorguard_perception::people::{Explanation, Track, TrackStatus};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
@@ -37,9 +37,12 @@ pub fn advice(
     advice
 }
 
-/// Without anything learned.
+/// Without anything learned. Only a positive explanation takes a person away: standing still, or an unlikely
+/// shape, does not.
 fn is_reported(track: &Track) -> bool {
-    track.person_probability >= PERSON_PROBABILITY_MIN || track.moving_probability >= MOVING_PROBABILITY_MIN
+    let is_object = track.explanation.is_some_and(Explanation::is_positive);
+    track.person_probability >= PERSON_PROBABILITY_MIN && !is_object
+        || track.moving_probability >= MOVING_PROBABILITY_MIN
 }
 
 fn advised(track: &Track, to_robot: Pose2) -> AdvisedPerson {
@@ -104,6 +107,7 @@ mod tests {
                         likeness,
                         points: 50,
                         moving: None,
+                        surroundings: floorguard_perception::people::Surroundings::OPEN,
                         appearance: floorguard_perception::people::Appearance::UNKNOWN,
                     }
                 })
@@ -136,6 +140,25 @@ mod tests {
         }
         let everybody = of(&|_| Some(1.0));
         assert!(everybody.len() > without.len() && without.iter().all(|person| everybody.contains(person)));
+    }
+
+    /// A pillar is no person for the guard; who stands still in an unlikely shape is one, and so is what moves.
+    #[test]
+    fn only_a_positive_explanation_takes_a_person_away() {
+        let tracker = crowd();
+        let people = |explanation: Option<Explanation>, moving_probability: f32| {
+            let mut tracks = tracker.tracks().to_vec();
+            for track in &mut tracks {
+                (track.explanation, track.moving_probability) = (explanation, moving_probability);
+            }
+            advice(Stamp::from_micros(1_200_000), &tracks, Pose2::default(), |_| None).people.len()
+        };
+        let all = people(None, 0.0);
+        assert!(all > 5, "{all}");
+        assert_eq!(people(Some(Explanation::UnlikelyShape), 0.0), all);
+        assert_eq!(people(Some(Explanation::RigidPart), 0.0), all);
+        assert_eq!(people(Some(Explanation::GoesOnAbove), 0.0), 0);
+        assert!(people(Some(Explanation::GoesOnAbove), 0.9) >= all, "what moves is no pillar");
     }
 
     #[test]

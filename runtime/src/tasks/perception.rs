@@ -174,5 +174,6 @@ fn person(track: &Track, now: Stamp, learned: Option<f32>) -> PersonReport {
         person_probability: learned.unwrap_or(track.person_probability),
         moving_probability: track.moving_probability,
         sensors: track.sensors(now),
+        explanation: track.explanation,
     }
 }

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use anyhow::Context as _;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_perception::people::{
-    Appearance, Association, ConstantVelocity, Detection, PeoplePipeline, RingAngles, Tracker,
+    Appearance, Association, ConstantVelocity, Detection, PeoplePipeline, RingAngles, Surroundings, Tracker,
     TrackerParameters,
 };
 use floorguard_sim::{Payload, Simulation, Stream};
@@ -32,6 +32,7 @@ fn detection(position: Point2) -> Detection {
         likeness: 0.9,
         points: 50,
         moving: None,
+        surroundings: Surroundings::OPEN,
         appearance: Appearance::UNKNOWN,
     }
 }

@@ -4,7 +4,7 @@
 use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
-use crate::tracking::{AppearanceOf, ConstantVelocity, DetectionOf};
+use crate::tracking::{AppearanceOf, ConstantVelocity, DetectionOf, Surroundings};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::Profile;
 use floorguard_types::time::{Age, Stamp};
@@ -70,6 +70,7 @@ impl PersonByLegs {
             likeness: self.reliability,
             points: 2,
             moving: None,
+            surroundings: Surroundings::OPEN,
             appearance: AppearanceOf::UNKNOWN,
         }
     }

@@ -112,6 +112,7 @@ mod tests {
                 likeness,
                 points: 50,
                 moving: None,
+                surroundings: crate::tracking::Surroundings::OPEN,
                 appearance: Appearance::UNKNOWN,
             };
             tracker.update(Stamp::from_micros(sweep * 100_000), &[sighting], |_| true);

@@ -25,12 +25,32 @@ pub(super) struct CandidateShapes<P: Profile> {
     candidates: ListOf<Look<P>, P::Detections>,
 }
 
+/// A candidate of which all returns are known.
+pub(super) struct Examined<'a, P: Profile> {
+    pub(super) slot: usize,
+    pub(super) shape: &'a ShapeVector,
+    pub(super) shades: &'a Shades<P>,
+    /// Above the floor, metres.
+    pub(super) top_m: f32,
+    /// Something nearer hides a part of it.
+    pub(super) is_occluded: bool,
+    /// Its surface goes on above the height of people.
+    pub(super) goes_on_above: bool,
+}
+
+/// Columns that end lower than this below the top are shoulders, metres.
+const TOP_M: f32 = 0.4;
+/// So many more columns must go on than end.
+const ABOVE_MIN: i8 = 2;
+
 /// One candidate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Look<P: Profile> {
     /// Index of its cluster while its returns are gathered, then [`NO_CLUSTER`].
     cluster: u16,
     occluded: bool,
+    /// Columns whose surface goes on above the height of people, less those whose does not.
+    above: i8,
     bounds: [Point3; 2],
     builder: ShapeBuilder,
     shape: ShapeVector,
@@ -51,6 +71,7 @@ impl<P: Profile> CandidateShapes<P> {
         let candidate = Look {
             cluster: truncating_u16(index),
             occluded: cluster.occluded,
+            above: 0,
             bounds: [cluster.lower, cluster.upper],
             builder,
             shape: [0.0; SHAPE_FEATURES],
@@ -92,16 +113,32 @@ impl<P: Profile> CandidateShapes<P> {
         }
     }
 
-    /// Ends the pass; hands out slot, shape, shades, top and whether it is half hidden of every candidate that was
-    /// examined in it.
-    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector, &Shades<P>, (f32, bool))) {
+    /// The highest return of a candidate in a column; `goes_on` says that its surface does, above the height of people.
+    pub(super) fn add_top(&mut self, slot: usize, height_m: f32, goes_on: bool) {
+        if let Some(candidate) = self.candidates.get_mut(slot) {
+            let [_, upper] = candidate.bounds;
+            if height_m >= upper.z_m - TOP_M {
+                candidate.above = candidate.above.saturating_add(if goes_on { 1 } else { -1 });
+            }
+        }
+    }
+
+    /// Ends the pass; hands out every candidate that was examined in it.
+    pub(super) fn finish(&mut self, mut found: impl FnMut(&Examined<'_, P>)) {
         for (slot, candidate) in
             self.candidates.iter_mut().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
         {
             candidate.shape = candidate.builder.finish(candidate.occluded);
             candidate.cluster = NO_CLUSTER;
             let [_, upper] = candidate.bounds;
-            found(slot, &candidate.shape, &candidate.shades, (upper.z_m, candidate.occluded));
+            found(&Examined {
+                slot,
+                shape: &candidate.shape,
+                shades: &candidate.shades,
+                top_m: upper.z_m,
+                is_occluded: candidate.occluded,
+                goes_on_above: candidate.above >= ABOVE_MIN,
+            });
         }
     }
 

@@ -11,10 +11,10 @@ mod splits;
 pub use crate::clusters::{Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, ring_clusters};
 pub use crate::shapes::{classify, person_model, shape};
 pub use crate::tracking::{
-    Appearance, AppearanceOf, Association, ConstantVelocity, Detection, DetectionOf, GROUP_DETECTIONS,
-    GROUP_TRACKS, JointGroup, Marginals, OpenSpace, PEOPLE_SENSORS, PeopleSensor, PeopleView, PeopleViewOf,
-    SensorSet, Sightings, SightingsOf, Track, TrackOf, TrackStatus, Tracker, TrackerOf, TrackerParameters,
-    VIEW_PEOPLE_MAX, VIEWS_WAITING, filters,
+    Appearance, AppearanceOf, Association, ConstantVelocity, Detection, DetectionOf, Explanation,
+    GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals, OpenSpace, PEOPLE_SENSORS, PeopleSensor,
+    PeopleView, PeopleViewOf, SensorSet, Sightings, SightingsOf, Surroundings, Track, TrackOf, TrackStatus,
+    Tracker, TrackerOf, TrackerParameters, VIEW_PEOPLE_MAX, VIEWS_WAITING, filters,
 };
 pub use candidates::CandidateLimits;
 pub use pipeline::{

@@ -1,6 +1,7 @@
 //! What a sensor reports of one person: the input of the tracker.
 
 use super::appearance::AppearanceOf;
+use super::explanation::Surroundings;
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{Native, Profile};
 
@@ -19,6 +20,8 @@ pub struct DetectionOf<P: Profile> {
     pub points: u16,
     /// Whether it moves by itself; `None` if that was not judged.
     pub moving: Option<bool>,
+    /// What it is connected with.
+    pub surroundings: Surroundings,
     /// Its appearance.
     pub appearance: AppearanceOf<P>,
 }

@@ -5,6 +5,7 @@
 mod appearance;
 mod association;
 mod detection;
+mod explanation;
 mod filter;
 pub mod filters;
 mod joint;
@@ -19,6 +20,7 @@ pub(crate) use appearance::Shades;
 pub use appearance::{Appearance, AppearanceOf};
 pub use association::Association;
 pub use detection::{Detection, DetectionOf};
+pub use explanation::{Explanation, Surroundings};
 pub use filter::ConstantVelocity;
 pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
 pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};

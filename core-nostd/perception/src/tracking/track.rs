@@ -2,6 +2,7 @@
 
 use super::appearance::AppearanceOf;
 use super::detection::DetectionOf;
+use super::explanation::{Evidence, Explanation, LidarSighting};
 use super::filter::ConstantVelocity;
 use super::sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 use super::tracker::TrackerParameters;
@@ -46,6 +47,9 @@ pub struct TrackOf<P: Profile> {
     pub first_position: Point2,
     /// Newest sighting by each sensor, in the order of [`PeopleSensor::ALL`].
     pub seen_by: [Option<Stamp>; PEOPLE_SENSORS],
+    /// What explains it, if it is no person in spite of its probability.
+    pub explanation: Option<Explanation>,
+    evidence: Evidence,
     /// Log-odds that it is a person.
     pub(super) belief: f32,
     /// How far from the sensor it was when last seen, metres.
@@ -112,6 +116,8 @@ impl<P: Profile> TrackOf<P> {
             last_seen: stamp,
             first_position: detection.position,
             seen_by: [None; PEOPLE_SENSORS],
+            explanation: None,
+            evidence: Evidence::new(detection.position, stamp),
             belief: shape_evidence(detection),
             distance_m: detection.distance_m,
             seen_state: state,
@@ -124,7 +130,14 @@ impl<P: Profile> TrackOf<P> {
             is_lost: false,
         };
         fresh.note_seen_by(sensor, stamp);
+        fresh.note_sighting((sensor, stamp), detection);
         fresh
+    }
+
+    /// Confirmed, rather a person than not, and nothing explains it.
+    #[must_use]
+    pub fn is_taken_for_person(&self) -> bool {
+        self.status == TrackStatus::Confirmed && self.person_probability >= 0.5 && self.explanation.is_none()
     }
 
     /// Sensors that saw it within half a second before `now`.
@@ -175,12 +188,36 @@ impl<P: Profile> TrackOf<P> {
         let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
         let share = sensor.evidence_weight();
         self.moving_probability += MOVING_GAIN * share * (0.5 * f32::from(moves) - self.moving_probability);
+        self.note_sighting((sensor, stamp), detection);
         self.believe(share * shape_evidence(detection) + if walking { WALK_GAIN * share } else { 0.0 });
     }
 
     fn believe(&mut self, gain: f32) {
         self.belief = (self.belief + gain).clamp(-BELIEF_MAX, BELIEF_MAX);
         self.person_probability = probability(self.belief);
+    }
+
+    /// What a sighting by the lidar says besides.
+    fn note_sighting(&mut self, (sensor, stamp): (PeopleSensor, Stamp), detection: &DetectionOf<P>) {
+        if sensor == PeopleSensor::Lidar {
+            self.evidence.see(&LidarSighting {
+                log_odds: shape_evidence(detection),
+                points: detection.points,
+                surroundings: detection.surroundings,
+                position: detection.position,
+                distance_m: detection.distance_m,
+                stamp,
+            });
+        }
+    }
+
+    /// Says what explains it now. What another sensor than the lidar sees as well stays a person.
+    pub(super) fn explain(&mut self, now: Stamp) {
+        self.evidence.note_motion(self.moving_probability);
+        let lidar_alone = SensorSet::NONE.with(PeopleSensor::Lidar);
+        let explanation = self.evidence.explain(now, self.moving_probability);
+        let others_see_it = self.sensors(now).bits() & !lidar_alone.bits() != 0;
+        self.explanation = explanation.filter(|found| found.is_positive() || !others_see_it);
     }
 
     fn note_seen_by(&mut self, sensor: PeopleSensor, stamp: Stamp) {
@@ -212,6 +249,7 @@ impl<P: Profile> TrackOf<P> {
         self.appearance = old.appearance;
         self.appearance.learn(&fresh, self.last_seen.seconds_since(old.last_seen));
         self.belief = self.belief.max(old.belief);
+        self.evidence.continue_from(&old.evidence);
         self.person_probability = probability(self.belief);
     }
 
@@ -230,6 +268,9 @@ impl<P: Profile> TrackOf<P> {
         }
         if knows_it {
             self.moving_probability *= 1.0 - 0.02;
+        }
+        if visible && knows_it && sensor == PeopleSensor::Lidar {
+            self.evidence.miss();
         }
         let Some(since) = self.missing_since.get_mut(sensor.index()).filter(|_| knows_it) else { return };
         if !visible {
@@ -284,6 +325,7 @@ impl<P: Profile> TrackOf<P> {
         self.sightings = self.sightings.saturating_add(twin.sightings);
         self.weight = self.weight.saturating_add(twin.weight);
         self.belief = self.belief.max(twin.belief);
+        self.evidence.continue_from(&twin.evidence);
         self.person_probability = probability(self.belief);
         if twin.status == TrackStatus::Confirmed {
             (self.status, self.is_named) = (TrackStatus::Confirmed, self.is_named || twin.is_named);

@@ -202,6 +202,7 @@ impl<P: Profile> TrackerOf<P> {
             }
         }
         self.unite(seen.stamp);
+        self.tracks.iter_mut().for_each(|track| track.explain(seen.stamp));
     }
 
     /// Where the people who were seen a moment ago are expected at `stamp`, fixed frame.

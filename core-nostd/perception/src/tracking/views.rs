@@ -122,6 +122,7 @@ mod tests {
             likeness: 0.9,
             points: 2,
             moving: None,
+            surroundings: crate::tracking::Surroundings::OPEN,
             appearance: Appearance::UNKNOWN,
         };
         assert!(view.add(detection));

@@ -12,6 +12,7 @@ mod legs;
 mod motion;
 mod motion_key;
 mod motion_play;
+mod people;
 mod rgbd_key;
 mod rgbd_people;
 mod rgbd_picture;
@@ -29,6 +30,7 @@ pub use legs::{
     FoldReport, LegsReport, Recording, in_any_room, learn_legs, legs, recordings, training_samples,
 };
 pub use motion::{MotionReport, TrackReport, motion};
+pub use people::{FalsePeopleReport, false_people};
 pub use rgbd_people::{RgbdAccount, RgbdPersonReport, RgbdPictureReport, RgbdReport, RgbdTask, rgbd_people};
 pub use svm::{SvmReport, svm};
 pub use tracks::{TracksReport, tracks};

@@ -315,7 +315,8 @@ impl<'a> Observer<'a> {
         let mut seen_people = Vec::new();
         for person in &report.people {
             let counts = person.status == TrackStatus::Confirmed
-                && person.person_probability >= PERSON_PROBABILITY_MIN;
+                && person.person_probability >= PERSON_PROBABILITY_MIN
+                && person.explanation.is_none();
             let place = to_world.transform(person.position);
             let hidden = truth.people.iter().filter(|person| !person.in_sight || !near(person.position));
             let excused = hidden.clone().any(|person| person.position.distance(place) < HIDDEN_M);

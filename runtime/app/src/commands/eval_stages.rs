@@ -52,6 +52,14 @@ pub enum RecordedStage {
         #[arg(long)]
         key: PathBuf,
     },
+    /// Objects taken for people in a capture of a standing VLP-16: in the first second, and after ten.
+    People {
+        /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
+        file: PathBuf,
+        /// Who was where: rows of frame, time_s, track, x, y, named in the first line. Without it the place was empty.
+        #[arg(long)]
+        key: Option<PathBuf>,
+    },
     /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
     Tracks {
         /// What was there.
@@ -139,6 +147,7 @@ pub(super) fn run(stage: &RecordedStage, json: bool) -> anyhow::Result<()> {
             print(&report, json)
         }
         RecordedStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, json),
+        RecordedStage::People { file, key } => print(&evaluate::false_people(file, key.as_deref())?, json),
         RecordedStage::Dirt { folder, out } => print(&evaluate::dirt(folder, out.as_deref())?, json),
         RecordedStage::Floor { depth, intrinsics, truth, height_m, pitch_deg, out } => {
             let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);

@@ -4,7 +4,7 @@
 //! nobody is missed there.
 
 use floorguard_perception::floor::Plane;
-use floorguard_perception::people::{Appearance, Detection, PeopleSensor, PeopleView};
+use floorguard_perception::people::{Appearance, Detection, PeopleSensor, PeopleView, Surroundings};
 use floorguard_perception::rgbd_people::{RgbdDetection, RgbdParameters, RgbdPeopleFinder};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, DepthImage, ImageSize, PinholeCamera, Scan};
@@ -117,6 +117,7 @@ fn detection(person: &RgbdDetection, robot_in_odom: Pose2) -> Detection {
         likeness: person.confidence,
         points: 1,
         moving: None,
+        surroundings: Surroundings::OPEN,
         appearance: Appearance::UNKNOWN,
     }
 }

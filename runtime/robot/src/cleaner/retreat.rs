@@ -221,6 +221,7 @@ mod tests {
             person_probability: 0.9,
             moving_probability: 0.0,
             sensors: Default::default(),
+            explanation: None,
         };
         report.people.push(person).unwrap();
         let moment = |now_ms: u64| (Stamp::from_micros(now_ms * 1_000), now_ms as f32 * 1.0e-3);

@@ -90,7 +90,9 @@ impl Cleaner {
         self.near.seen_s = seen_s;
         let confirmed = || people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
         self.people_seen = confirmed().map(|person| person.position).collect();
-        let real = confirmed().filter(|person| person.person_probability >= PERSON_PROBABILITY_MIN);
+        let real = confirmed().filter(|person| {
+            person.person_probability >= PERSON_PROBABILITY_MIN && person.explanation.is_none()
+        });
         let advised = real.map(|person| AdvisedPerson {
             id: person.id,
             position: person.position,

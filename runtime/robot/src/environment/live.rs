@@ -81,6 +81,7 @@ impl LiveLearner {
             for person in &report.people {
                 let is_person = person.status == TrackStatus::Confirmed
                     && person.person_probability >= PERSON_PROBABILITY_MIN
+                    && person.explanation.is_none()
                     && person.position.distance(Point2::new(robot.x_m, robot.y_m)) < RANGE_M;
                 if is_person {
                     let id = self.first_id.wrapping_add(u64::from(person.id));

@@ -196,5 +196,6 @@ impl Senses {
 }
 
 fn is_person(person: &PersonReport) -> bool {
-    person.person_probability >= PERSON_PROBABILITY_MIN || person.moving_probability >= PERSON_PROBABILITY_MIN
+    let has_shape = person.person_probability >= PERSON_PROBABILITY_MIN && person.explanation.is_none();
+    has_shape || person.moving_probability >= PERSON_PROBABILITY_MIN
 }

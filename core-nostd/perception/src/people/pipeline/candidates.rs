@@ -5,7 +5,7 @@ use super::state::PeoplePipelineOf;
 use crate::clusters::Cluster;
 use crate::people::splits::SEEDS_MAX;
 use crate::shapes::shape::{Heights, ShapeBuilder};
-use crate::tracking::{AppearanceOf, DetectionOf};
+use crate::tracking::{AppearanceOf, DetectionOf, Surroundings};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{List, Profile, Size};
 
@@ -71,6 +71,7 @@ pub(super) fn detection<P: Profile>(cluster: &Cluster, context: &SweepContext) -
         likeness: 0.5,
         points: cluster.points,
         moving: None,
+        surroundings: Surroundings::OPEN,
         appearance: AppearanceOf::UNKNOWN,
     }
 }

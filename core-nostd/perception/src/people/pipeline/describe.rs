@@ -4,6 +4,8 @@ use super::context::SweepContext;
 use super::state::PeoplePipelineOf;
 use crate::clusters::{ColumnFrame, NONE, SweepFrame, rings_of};
 use crate::shapes::person_model::{person_log_odds, probability};
+use crate::tracking::Surroundings;
+use floorguard_types::number::truncating_u32;
 use floorguard_types::profile::{Profile, Table};
 use floorguard_types::sensing::SweepOf;
 
@@ -15,12 +17,14 @@ impl<P: Profile> PeoplePipelineOf<P> {
         if !self.candidate_shapes.begin() {
             return;
         }
+        let (gap_m, unit_m) = (self.cluster_limits.gap_m, f32::from(sweep.range_unit_mm.max(1)) * 1.0e-3);
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
             let Some(labels) = self.clusterer.labels_of(index) else { continue };
             let mut frame: Option<ColumnFrame> = None;
             let mut known = (NONE, None);
-            for ring in rings_of(self.clusterer.present_in(index)) {
+            let present = self.clusterer.present_in(index);
+            for ring in rings_of(present) {
                 let (Some(label), Some(raw), Some(angle)) =
                     (labels.get(ring), column.range_raw.get(ring), self.angles.rings.get(ring))
                 else {
@@ -40,15 +44,86 @@ impl<P: Profile> PeoplePipelineOf<P> {
                     slot = share;
                 }
                 self.candidate_shapes.add(slot, point, (ring, column.reflectivity.get(ring)));
+                let above = ring.saturating_add(1);
+                if let Some(angle_above) = self.angles.rings.get(above)
+                    && present & 1_u16.wrapping_shl(truncating_u32(above)) == 0
+                {
+                    let raw_above = column.range_raw.get(above).copied().unwrap_or(0);
+                    let goes_on =
+                        is_same_surface([*raw, raw_above], [angle.1, angle_above.1], gap_m / unit_m);
+                    self.candidate_shapes.add_top(slot, point.z_m, goes_on);
+                }
             }
         }
         let detections = &mut self.detections;
         let sensor_m = context.sensor_in_base.translation.z_m;
-        self.candidate_shapes.finish(|slot, shape, shades, (top_m, occluded)| {
-            if let Some(detection) = detections.get_mut(slot) {
-                detection.likeness = probability(person_log_odds(shape));
-                detection.appearance = shades.appearance((top_m, occluded), (sensor_m, detection.distance_m));
+        self.candidate_shapes.finish(|found| {
+            if let Some(detection) = detections.get_mut(found.slot) {
+                detection.likeness = probability(person_log_odds(found.shape));
+                detection.appearance = { found.shades }
+                    .appearance((found.top_m, found.is_occluded), (sensor_m, detection.distance_m));
+                if found.goes_on_above {
+                    detection.surroundings = detection.surroundings.and(Surroundings::ABOVE);
+                }
             }
         });
+    }
+}
+
+/// Two returns of neighbouring rings, of which the upper one is no obstacle because it is too high: at about the same
+/// distance they are one surface. Counts of range, and the cosines of the elevations.
+fn is_same_surface([lower, upper]: [u16; 2], [lower_cos, upper_cos]: [f32; 2], gap: f32) -> bool {
+    upper != 0 && (f32::from(lower) * lower_cos - f32::from(upper) * upper_cos).abs() <= gap
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clusters::RingAngles;
+    use crate::people::PeoplePipeline;
+    use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+    use floorguard_types::sensing::Sweep;
+
+    const SENSOR_M: f32 = 0.8;
+    /// Where the object stands, and the wall behind it.
+    const OBJECT_M: f32 = 6.0;
+    const WALL_M: f32 = 6.35;
+
+    /// What surrounds an object 0.45 m broad that is so high, 0.35 m before a wall that is higher than any lidar sees.
+    fn surroundings(height_m: f32) -> std::vec::Vec<Surroundings> {
+        let mut sweep = std::boxed::Box::new(Sweep::EMPTY);
+        sweep.column_count = 1_800;
+        for (index, column) in sweep.columns.iter_mut().enumerate().take(1_800) {
+            (column.azimuth_cdeg, column.measured) = (20 * index as u16, true);
+            let bearing = -(0.2 * index as f32).to_radians();
+            for (ring, raw) in column.range_raw.iter_mut().enumerate() {
+                let elevation = (2.0 * ring as f32 - 15.0).to_radians();
+                let ahead = libm::cosf(bearing) > 0.9;
+                let left_m = OBJECT_M * libm::tanf(bearing);
+                let at_object_m = SENSOR_M + OBJECT_M / libm::cosf(bearing) * libm::tanf(elevation);
+                let is_object = left_m.abs() < 0.225 && at_object_m < height_m;
+                let distance_m = if is_object { OBJECT_M } else { WALL_M } / libm::cosf(bearing);
+                let above_floor_m = SENSOR_M + distance_m * libm::tanf(elevation);
+                let hits = ahead && above_floor_m > 0.0;
+                *raw = if hits { (distance_m / libm::cosf(elevation) * 500.0) as u16 } else { 0 };
+            }
+        }
+        let translation = Point3::new(0.0, 0.0, SENSOR_M);
+        let context = SweepContext {
+            sensor_in_base: Transform3 { translation, ..Transform3::IDENTITY },
+            twist: Twist2::ZERO,
+            base_in_odom: Pose2::default(),
+        };
+        let mut pipeline = std::boxed::Box::new(PeoplePipeline::new(RingAngles::vlp16()));
+        pipeline.process(&sweep, &context);
+        pipeline.detections().iter().map(|detection| detection.surroundings).collect()
+    }
+
+    #[test]
+    fn pillar_goes_on_above_person_before_wall_ends() {
+        assert_eq!(surroundings(3.0), [Surroundings::ABOVE]);
+        for height_m in [1.2, 1.6, 1.8, 1.95] {
+            assert_eq!(surroundings(height_m), [Surroundings::OPEN], "{height_m} m tall");
+        }
     }
 }

@@ -5,6 +5,7 @@ use super::context::SweepContext;
 use super::find_clusters::in_counts;
 use super::state::PeoplePipelineOf;
 use crate::clusters::{Cluster, Obstacles, RingProfile, SweepFrame, rings_of};
+use crate::tracking::{DetectionOf, Surroundings};
 use floorguard_types::number::truncating_u32;
 use floorguard_types::profile::{Profile, Size};
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
@@ -52,7 +53,8 @@ impl<P: Profile> PeoplePipelineOf<P> {
                 let known =
                     self.detections.iter().any(|other| other.position.distance(detection.position) < 0.5);
                 if !known {
-                    self.propose(detection, index, &upper, context);
+                    let surroundings = Surroundings::PART;
+                    self.propose(DetectionOf { surroundings, ..detection }, index, &upper, context);
                 }
             }
         }

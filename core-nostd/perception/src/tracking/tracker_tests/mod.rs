@@ -1,5 +1,6 @@
 //! Lives of tracks: birth, hiding, return, crowds, time that runs backwards.
 
+mod explanations;
 mod re_identification;
 
 use super::*;
@@ -22,6 +23,7 @@ fn sighting_of<P: Profile>(x_m: f32, y_m: f32) -> DetectionOf<P> {
         likeness: 1.0,
         points: 50,
         moving: None,
+        surroundings: crate::tracking::Surroundings::OPEN,
         appearance: AppearanceOf::UNKNOWN,
     }
 }

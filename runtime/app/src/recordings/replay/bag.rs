@@ -12,7 +12,7 @@ use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
-use super::capture::{ASSUMED_HEIGHT_M, is_person};
+use super::capture::ASSUMED_HEIGHT_M;
 use super::cloud::CloudSorter;
 use super::floor_below::floor_below_m;
 use super::recorded::Recorded as Written;
@@ -195,7 +195,8 @@ impl Player<'_> {
         let base_in_odom = pose.unwrap_or_default();
         let output = pipeline.process(&lidar.sweep, &SweepContext { sensor_in_base, twist, base_in_odom });
         let frame = if pose.is_some() { "odom" } else { "sensor" };
-        self.sweeps.people(output.tracks.iter().filter(|track| is_person(track)).map(|track| track.id));
+        self.sweeps
+            .people(output.tracks.iter().filter(|track| track.is_taken_for_person()).map(|track| track.id));
         let row = SweepRow::of_output(&lidar.sweep, &output).in_frame(frame);
         self.written.sweep((&lidar.sweep, &angles), (&sensor_in_base, (base_in_odom, twist)), row.people());
         if self.json {

@@ -6,9 +6,7 @@ use floorguard_drivers::velodyne::{
     ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder,
 };
 use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
-use floorguard_perception::people::{
-    FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
-};
+use floorguard_perception::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
 use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
@@ -143,7 +141,7 @@ impl Player {
         }
         let output = find_moving_people(&mut self.pipeline, &mut self.motion, sweep, &self.context);
         self.sweeps += 1;
-        let people = output.tracks.iter().filter(|track| is_person(track));
+        let people = output.tracks.iter().filter(|track| track.is_taken_for_person());
         self.most_people = self.most_people.max(people.clone().count());
         self.identities.extend(people.map(|track| track.id));
         let closed_cdeg = self.closed.map_or(0, |closed| closed.width_cdeg());
@@ -177,11 +175,6 @@ impl Player {
             self.most_people,
         );
     }
-}
-
-/// Confirmed, and more likely a person than not.
-pub(super) fn is_person(track: &Track) -> bool {
-    track.status == TrackStatus::Confirmed && track.person_probability >= 0.5
 }
 
 fn at_height(height_m: f32) -> Transform3 {

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use floorguard_perception::legs::{LegTrack, PersonByLegs};
 use floorguard_perception::people::{
-    PeopleCounters, PeopleOutput, PeopleSensor, SensorSet, Track, TrackStatus,
+    Explanation, PeopleCounters, PeopleOutput, PeopleSensor, SensorSet, Track, TrackStatus,
 };
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
 use floorguard_types::geometry::Point2;
@@ -27,6 +27,9 @@ pub struct PersonRow {
     /// Who has seen it within the last half second.
     #[serde(serialize_with = "words")]
     sensors: SensorSet,
+    /// What explains it, if it is no person in spite of its probability.
+    #[serde(rename = "reason", skip_serializing_if = "Option::is_none", serialize_with = "name")]
+    explanation: Option<Explanation>,
 }
 
 /// Place and velocity, metres and m/s: by the short names of tracking formats, and by names with units.
@@ -160,6 +163,7 @@ impl PersonRow {
             person_probability: self.person_probability,
             moving_probability: self.moving_probability,
             sensors: self.sensors,
+            explanation: self.explanation,
         }
     }
 
@@ -181,6 +185,7 @@ impl PersonRow {
             person_probability: person.reliability,
             moving_probability: f32::NAN,
             sensors: SensorSet::NONE.with(PeopleSensor::Scanner),
+            explanation: None,
         }
     }
 
@@ -194,6 +199,7 @@ impl PersonRow {
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
             sensors: track.sensors(now),
+            explanation: track.explanation,
         }
     }
 
@@ -207,6 +213,7 @@ impl PersonRow {
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
             sensors: track.sensors,
+            explanation: track.explanation,
         }
     }
 }
@@ -228,6 +235,15 @@ fn words<S: Serializer>(sensors: &SensorSet, out: S) -> Result<S::Ok, S::Error> 
         PeopleSensor::DepthCamera => "depth-camera",
     };
     out.collect_seq(PeopleSensor::ALL.into_iter().filter(|sensor| sensors.contains(*sensor)).map(word))
+}
+
+/// The name of what explains a track. The signature is that of the serialiser.
+#[allow(clippy::trivially_copy_pass_by_ref, clippy::ref_option)]
+fn name<S: Serializer>(explanation: &Option<Explanation>, out: S) -> Result<S::Ok, S::Error> {
+    match explanation {
+        Some(explanation) => out.serialize_str(explanation.name()),
+        None => out.serialize_none(),
+    }
 }
 
 /// Legs tell nothing about it.

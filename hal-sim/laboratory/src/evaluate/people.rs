@@ -1,0 +1,225 @@
+//! Objects that are taken for people in a capture of a standing VLP-16: how many a sweep, in the first second and after
+//! ten, and whether the people of a key are still taken for people, each with one identity.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
+use floorguard_perception::people::{PeoplePipeline, RingAngles, Track, TrackStatus};
+use floorguard_types::geometry::Point2;
+use floorguard_types::sensing::Sweep;
+use serde::Serialize;
+
+use super::frames::{capture_frames, standing_context};
+use super::motion_key::{KeyRow, read_key};
+use crate::metrics::MotAccumulator;
+
+/// A claim farther than this from every person of the key is false, metres (book, Tracking: Metrics).
+const GATE_M: f64 = 0.5;
+/// Keyed people farther away than this do not count, metres: they have few returns, and the keys end there.
+const KEY_RANGE_M: f32 = 12.0;
+/// The beginning, when nothing is known of the place, seconds.
+const BEGINNING_S: f32 = 1.0;
+/// After this long a place is known, seconds.
+const KNOWN_S: f32 = 10.0;
+
+/// Who was taken for a person, and who was one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FalsePeopleReport {
+    /// Sweeps played.
+    pub sweeps: u64,
+    /// From the first to the last of them, seconds.
+    pub seconds: f32,
+    /// Sightings of keyed people within 12 m, and the share of them that a claim fits within 0.5 m; `None` without a
+    /// key.
+    pub key_people: u64,
+    /// See `key_people`.
+    pub key_claimed: Option<f64>,
+    /// The same without the sweeps in which a keyed person has been in the recording for less than half a second.
+    pub key_claimed_later: Option<f64>,
+    /// Times that a keyed person was covered by another identity than before.
+    pub switches: u64,
+    /// Claims a sweep that fit no keyed person, at any distance. Without a key every claim is one.
+    pub false_people: f64,
+    /// The same in the sweeps of the first second.
+    pub false_people_in_first_second: f64,
+    /// The same in the sweeps after ten seconds; `None` in a shorter recording.
+    pub false_people_after_ten_seconds: Option<f64>,
+    /// Tracks a sweep that would be claims if nothing explained them, by what explains them.
+    pub explained: BTreeMap<&'static str, f64>,
+}
+
+/// Sum over sweeps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mean {
+    sum: u64,
+    sweeps: u64,
+}
+
+impl Mean {
+    fn add(&mut self, count: usize) {
+        self.sum += count as u64;
+        self.sweeps += 1;
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.sweeps > 0).then(|| self.sum as f64 / self.sweeps as f64)
+    }
+}
+
+/// Frames of a tenth of a second that a key may leave out of a person who is there all the same.
+const GAP_FRAMES: u64 = 10;
+/// Time that a keyed person takes to be confirmed, in frames of a tenth of a second.
+const CONFIRMED_FRAMES: u64 = 5;
+
+/// Plays the capture through the robot's stages. The key has columns `frame`, `time_s`, `track`, `x` and `y`.
+///
+/// # Errors
+/// A file cannot be read or has another form.
+pub fn false_people(capture: &Path, key: Option<&Path>) -> anyhow::Result<FalsePeopleReport> {
+    let key = key.map(read_key).transpose()?.unwrap_or_default();
+    let sweeps = capture_frames(capture)?;
+    Ok(judge(&sweeps, &key))
+}
+
+fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
+    let angles = RingAngles::vlp16();
+    let context = standing_context(sweeps, &angles);
+    let mut pipeline = Box::new(PeoplePipeline::new(angles));
+    let mut motion = Box::new(MotionDetector::new(MotionParameters::FIXED));
+    let mut figures = MotAccumulator::new();
+    let [mut all, mut first, mut later] = [Mean::default(); 3];
+    let (mut covered, mut covered_later) = (Share::default(), Share::default());
+    let mut explained: BTreeMap<&'static str, u64> = BTreeMap::new();
+    let begins = sweeps.first().map(|sweep| sweep.end_stamp);
+    let mut seconds = 0.0;
+    for (frame, sweep) in sweeps.iter().enumerate() {
+        let output = find_moving_people(&mut pipeline, &mut motion, sweep, &context);
+        seconds = begins.map_or(0.0, |begins| sweep.end_stamp.seconds_since(begins));
+        let people = keyed(key, frame as u64);
+        let claims: Vec<(u64, Point2)> = { output.tracks.iter() }
+            .filter(|track| track.is_taken_for_person())
+            .map(|track| (u64::from(track.id), track.state.position))
+            .collect();
+        for reason in output.tracks.iter().filter_map(explanation) {
+            *explained.entry(reason).or_default() += 1;
+        }
+        let pairs = pairs(&people, &claims);
+        figures.frame_by_distance(&ids(&people), &ids(&claims), |person, claim| {
+            let distance_m = f64::from(people[person].1.distance(claims[claim].1));
+            (distance_m <= GATE_M).then_some(distance_m)
+        });
+        for (row, (id, _)) in people.iter().enumerate() {
+            let is_covered = pairs.iter().any(|(person, _)| *person == row);
+            covered.add(is_covered);
+            if { key.iter() }.any(|row| row.track == *id && row.frame + CONFIRMED_FRAMES <= frame as u64) {
+                covered_later.add(is_covered);
+            }
+        }
+        let is_unkeyed = |column: usize| pairs.iter().all(|(_, claim)| *claim != column);
+        let between = unseen(key, frame as u64);
+        let is_excused = |place: Point2| between.iter().any(|person| person.distance(place) <= GATE_M as f32);
+        let unkeyed = { claims.iter().enumerate() }.filter(|(column, _)| is_unkeyed(*column));
+        let false_claims = unkeyed.filter(|(_, (_, place))| !is_excused(*place)).count();
+        all.add(false_claims);
+        if seconds < BEGINNING_S {
+            first.add(false_claims);
+        } else if seconds >= KNOWN_S {
+            later.add(false_claims);
+        }
+    }
+    let count = sweeps.len().max(1) as f64;
+    FalsePeopleReport {
+        sweeps: sweeps.len() as u64,
+        seconds,
+        key_people: covered.of,
+        key_claimed: covered.value(),
+        key_claimed_later: covered_later.value(),
+        switches: figures.summary().switches,
+        false_people: all.value().unwrap_or(0.0),
+        false_people_in_first_second: first.value().unwrap_or(0.0),
+        false_people_after_ten_seconds: later.value(),
+        explained: { explained.into_iter() }.map(|(reason, times)| (reason, times as f64 / count)).collect(),
+    }
+}
+
+/// What explains a track that would be a person without it.
+fn explanation(track: &Track) -> Option<&'static str> {
+    let has_shape = track.status == TrackStatus::Confirmed && track.person_probability >= 0.5;
+    track.explanation.filter(|_| has_shape).map(|explanation| explanation.name())
+}
+
+/// How many of some.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    part: u64,
+    of: u64,
+}
+
+impl Share {
+    fn add(&mut self, is_part: bool) {
+        self.part += u64::from(is_part);
+        self.of += 1;
+    }
+
+    fn value(&self) -> Option<f64> {
+        (self.of > 0).then(|| self.part as f64 / self.of as f64)
+    }
+}
+
+/// Number and place of the keyed people of a frame.
+fn keyed(key: &[KeyRow], frame: u64) -> Vec<(u64, Point2)> {
+    let rows = key.iter().filter(|row| row.frame == frame && row.position.norm() < KEY_RANGE_M);
+    rows.map(|row| (row.track, row.position)).collect()
+}
+
+/// Where keyed people are in a frame that the key leaves out for at most a second: between two of its rows, or just after
+/// the last. They need not be claimed, and a claim there is right.
+fn unseen(key: &[KeyRow], frame: u64) -> Vec<Point2> {
+    let mut people: BTreeMap<u64, [Option<&KeyRow>; 2]> = BTreeMap::new();
+    for row in key {
+        let near = people.entry(row.track).or_default();
+        if row.frame <= frame {
+            near[0] = Some(row);
+        } else if near[1].is_none() {
+            near[1] = Some(row);
+        }
+    }
+    let place = |near: &[Option<&KeyRow>; 2]| match near {
+        [Some(before), _] if before.frame == frame => None,
+        [Some(before), Some(after)] if after.frame - before.frame <= GAP_FRAMES => {
+            let share = (frame - before.frame) as f32 / (after.frame - before.frame) as f32;
+            let between = |from: f32, to: f32| from + share * (to - from);
+            let (from, to) = (before.position, after.position);
+            Some(Point2::new(between(from.x_m, to.x_m), between(from.y_m, to.y_m)))
+        }
+        [Some(before), None] if frame - before.frame <= GAP_FRAMES => Some(before.position),
+        _ => None,
+    };
+    people.values().filter_map(place).collect()
+}
+
+fn ids(list: &[(u64, Point2)]) -> Vec<u64> {
+    list.iter().map(|(id, _)| *id).collect()
+}
+
+/// Rows of people and claims that fit each other, one to one, nearest first.
+fn pairs(people: &[(u64, Point2)], claims: &[(u64, Point2)]) -> Vec<(usize, usize)> {
+    let mut all = Vec::new();
+    for (row, person) in people.iter().enumerate() {
+        for (column, claim) in claims.iter().enumerate() {
+            let distance_m = f64::from(person.1.distance(claim.1));
+            if distance_m <= GATE_M {
+                all.push((distance_m, row, column));
+            }
+        }
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut pairs: Vec<(usize, usize)> = Vec::new();
+    for (_, row, column) in all {
+        if pairs.iter().all(|pair| pair.0 != row && pair.1 != column) {
+            pairs.push((row, column));
+        }
+    }
+    pairs
+}
