@@ -1,6 +1,7 @@
 //! Maps a building on a Linux computer, from scans and odometry: poses, sub-maps, pose graph, files for other tools.
 #![forbid(unsafe_code)]
 
+pub mod clean;
 pub mod front_end;
 pub mod grid_map;
 pub mod input;
