@@ -1,7 +1,7 @@
 //! How far the rays of a fan are clear: up to what they hit, or to what stands closer beside them than a body's half width.
 
 use floorguard_types::geometry::Point3;
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{saturating_usize, truncating_usize};
 
 use super::fan::{FanCell, SweepFan};
 
@@ -18,11 +18,14 @@ pub struct FanRule {
     pub nearest_m: f32,
     /// Farther than this nothing is claimed: errors of the heading grow with the distance. Metres.
     pub farthest_m: f32,
+    /// In each sweep one ray of so many beside each other is cast, in the next sweep its neighbour; at least 1. Which stretches
+    /// are clear is decided by all returns.
+    pub every: u8,
 }
 
 impl Default for FanRule {
     fn default() -> Self {
-        Self { tube_m: 0.08, margin_m: 0.15, flat_margin_m: 0.15, nearest_m: 0.4, farthest_m: 20.0 }
+        Self { tube_m: 0.08, margin_m: 0.15, flat_margin_m: 0.15, nearest_m: 0.4, farthest_m: 12.0, every: 2 }
     }
 }
 
@@ -51,8 +54,11 @@ impl<const RINGS: usize, const CELLS: usize> SweepFan<RINGS, CELLS> {
             }
         }
         self.block_beside(rule, limits);
-        for (row, limits) in self.cells.iter().zip(limits.iter()) {
-            for (cell, limit_m) in row.iter().zip(limits) {
+        let every = usize::from(rule.every.max(1));
+        let turn = truncating_usize(self.turns);
+        for (ring, (row, limits)) in self.cells.iter().zip(limits.iter()).enumerate() {
+            let first = turn.wrapping_add(ring).checked_rem(every).unwrap_or(0);
+            for (cell, limit_m) in row.iter().zip(limits).skip(first).step_by(every) {
                 let to_m = limit_m.min(rule.farthest_m);
                 if to_m > rule.nearest_m && cell.range_m > 0.0 {
                     each(ClearRay { from: cell.at(rule.nearest_m), to: cell.at(to_m) });

@@ -20,7 +20,8 @@ pub struct JudgeRule {
     pub lowest_m: f32,
     /// Up to this height, metres.
     pub highest_m: f32,
-    /// Of an object, returns lower than this above the floor stay, metres.
+    /// Of an object, returns lower than this above the floor stay, metres. A sweep sees hardly any floor in the columns of a body:
+    /// the body hides it.
     pub floor_clearance_m: f32,
     /// Share of a column's returns in free space from which on it may have moved, 0 to 1.
     pub column_share: f32,
@@ -38,7 +39,7 @@ impl Default for JudgeRule {
             evidence: EvidenceRule::default(),
             lowest_m: 0.12,
             highest_m: 2.2,
-            floor_clearance_m: 0.02,
+            floor_clearance_m: 0.0,
             column_share: 0.5,
             object_share: 0.6,
             object_points: 4,

@@ -100,11 +100,9 @@ impl Cleaner {
         self.space.begin_sweep();
         for (each, (point, sensor)) in sweep.returns.iter().zip(self.points_in_map.iter().zip(&self.sensors_in_map)) {
             self.space.hit(*point);
-            let Point3 { x_m, y_m, z_m } = each.point_in_sensor;
             self.fan.enter(FanReturn {
                 ring: usize::from(each.ring),
-                azimuth_rad: libm::atan2f(y_m, x_m),
-                range_m: (x_m * x_m + y_m * y_m + z_m * z_m).sqrt(),
+                point_in_sensor: each.point_in_sensor,
                 point_in_map: *point,
                 sensor_in_map: *sensor,
             });
