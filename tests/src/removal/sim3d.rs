@@ -10,6 +10,8 @@ use floorguard_mapping_host::clean::{RawReturn, RawSweep, Track};
 use floorguard_mapping_host::metrics::read_tum;
 use floorguard_types::geometry::Point3;
 
+use super::chance::Chance;
+
 /// Height of the simulated sensor above the floor, metres.
 const SENSOR_M: f64 = 0.8;
 /// Duration of a simulated revolution: 1,808 firings of 55.296 µs.
@@ -18,6 +20,7 @@ const SWEEP_S: f64 = 1_808.0 * 55.296e-6;
 /// A simulated drive.
 pub struct SimulatedDrive {
     sweeps: PathBuf,
+    rows: Vec<[f64; 6]>,
     /// True poses of the sensor.
     pub track: Track,
 }
@@ -57,17 +60,25 @@ pub fn simulate(data: &Path, plan: &str, walkers: u8, folder: &Path) -> anyhow::
         let status = run.arg(&base).arg(&out).args(["0.015", "2"]).arg(walkers.to_string()).status()?;
         ensure!(status.success(), "the simulator ended with {status}");
     }
-    let track = read_track(&std::fs::read_to_string(base.with_extension("traj"))?)?;
-    Ok(SimulatedDrive { sweeps, track })
+    let rows = rows(&std::fs::read_to_string(base.with_extension("traj"))?)?;
+    let track = track_of(&rows)?;
+    Ok(SimulatedDrive { sweeps, rows, track })
 }
 
-/// Rows of time, x, y, yaw, roll, pitch.
-fn read_track(text: &str) -> anyhow::Result<Track> {
-    let mut tum = String::new();
+/// Time, x, y, yaw, roll, pitch a line.
+fn rows(text: &str) -> anyhow::Result<Vec<[f64; 6]>> {
+    let mut rows = Vec::new();
     for line in text.lines() {
         let numbers: Vec<f64> = line.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
-        let [time_s, x, y, yaw, roll, pitch] = numbers[..] else { continue };
-        let [qx, qy, qz, qw] = quaternion(roll, pitch, yaw);
+        rows.push(numbers.try_into().map_err(|_| anyhow::anyhow!("six numbers a line of the true path"))?);
+    }
+    Ok(rows)
+}
+
+fn track_of(rows: &[[f64; 6]]) -> anyhow::Result<Track> {
+    let mut tum = String::new();
+    for [time_s, x, y, yaw, roll, pitch] in rows {
+        let [qx, qy, qz, qw] = quaternion(*roll, *pitch, *yaw);
         tum += &format!("{time_s} {x} {y} {SENSOR_M} {qx} {qy} {qz} {qw}\n");
     }
     Ok(Track::new(read_tum(&tum)?)?)
@@ -85,6 +96,22 @@ pub fn quaternion(roll: f64, pitch: f64, yaw: f64) -> [f64; 4] {
 }
 
 impl SimulatedDrive {
+    /// The path with errors as an odometry has them: each pose of every tenth of a second is off by normal errors of these
+    /// sizes, in each coordinate and angle, and the path between follows.
+    ///
+    /// # Errors
+    /// None: times ascend.
+    pub fn disturbed_track(&self, place_m: f64, angle_rad: f64) -> anyhow::Result<Track> {
+        let mut chance = Chance(7);
+        let mut error = |size: f64| size * f64::from(chance.normal());
+        let mut rows: Vec<[f64; 6]> = self.rows.iter().step_by(20).copied().collect();
+        for [_, x, y, yaw, roll, pitch] in &mut rows {
+            (*x, *y) = (*x + error(place_m), *y + error(place_m));
+            (*yaw, *roll, *pitch) = (*yaw + error(angle_rad), *roll + error(angle_rad), *pitch + error(angle_rad));
+        }
+        track_of(&rows)
+    }
+
     /// Calls `each` for every sweep, in order, at most `most`.
     ///
     /// # Errors
