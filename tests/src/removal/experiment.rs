@@ -9,12 +9,10 @@ use floorguard_mapping_host::clean::{BoxIndex, Track};
 use floorguard_mapping_host::output::{TopView, cloud_ply, draw_top_view};
 use floorguard_types::geometry::Point3;
 
-use super::building::Building;
 use super::chance::Chance;
 use super::remove::{Outcome, Surveys, octomap, ours};
-use super::render::{Drive, Survey};
 use super::sim3d::{LabelledSweep, SimulatedDrive, simulate};
-use super::walkers::{Walker, people};
+use super::twice::Twice;
 use crate::data::recording;
 
 /// Seed of the buildings.
@@ -40,39 +38,6 @@ struct Plan<'a> {
 impl Surveys for Plan<'_> {
     fn for_each(&self, each: &mut dyn FnMut(&LabelledSweep, &Track)) -> anyhow::Result<()> {
         self.drive.for_each(usize::MAX, |labelled| each(labelled, self.track))
-    }
-}
-
-/// A building that is surveyed, and surveyed again on the way back.
-struct Twice {
-    building: Building,
-    people: Vec<Walker>,
-    drives: [Drive; 2],
-    tracks: [Track; 2],
-}
-
-impl Twice {
-    fn new(seed: u64, rooms: usize, count: usize) -> Self {
-        let mut chance = Chance(seed);
-        let building = Building::random(&mut chance, rooms);
-        let mut route = building.route();
-        let first = Drive::new(&route, 0.0);
-        route.reverse();
-        let second = Drive::new(&route, first.end_s() + 0.5);
-        let mut people = people(&building, count, second.end_s(), &mut chance);
-        people.iter_mut().for_each(|person| person.height_m = person.height_m.min(1.9));
-        let tracks = [first.track(), second.track()];
-        Self { building, people, drives: [first, second], tracks }
-    }
-}
-
-impl Surveys for Twice {
-    fn for_each(&self, each: &mut dyn FnMut(&LabelledSweep, &Track)) -> anyhow::Result<()> {
-        for (number, (drive, track)) in self.drives.iter().zip(&self.tracks).enumerate() {
-            let survey = Survey { building: &self.building, people: &self.people, drive };
-            survey.for_each(number as u64 + 1, |labelled| each(labelled, track));
-        }
-        Ok(())
     }
 }
 
@@ -123,6 +88,9 @@ fn buildings(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<b
         pictures(folder, if number == 0 { "office" } else { "conference" }, &clean)?;
         holds &= meets(&clean, BUILDING_GOALS);
     }
+    let left = ours(&Twice::left_between())?;
+    row(table, ["ours", "stood through the first survey, gone in the second"], &left);
+    holds &= meets(&left, BUILDING_GOALS);
     for trial in 0..trials {
         let count = trial as usize % 10 + 1;
         let rooms = 2 + trial as usize % 4;

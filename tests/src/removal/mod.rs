@@ -1,15 +1,17 @@
 //! Maps without people: our remover beside a plain one of the literature, by labelled returns of simulated drives.
 
-pub mod building;
+mod building;
 mod chance;
 mod experiment;
 mod octomap;
 mod remove;
-pub mod render;
+mod render;
 mod score;
 mod sim3d;
+mod twice;
 mod walkers;
 
 pub use experiment::people_removal;
-pub use octomap::OctoMap;
+pub use remove::{Outcome, Surveys, octomap, ours};
 pub use score::Score;
+pub use twice::Twice;

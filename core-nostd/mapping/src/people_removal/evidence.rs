@@ -20,13 +20,17 @@ pub struct EvidenceRule {
     pub passes_min: u8,
     /// ... and so many for each sweep that ended there.
     pub passes_per_hit: f32,
+    /// Or so many sweeps went through between two hits, before the first or after the last ...
+    pub run_min: u8,
+    /// ... and so many for each hit: someone stood there for long, and left.
+    pub run_passes_per_hit: f32,
     /// A place is occupied from so many hits on, if passes are fewer than for free space.
     pub hits_min: u8,
 }
 
 impl Default for EvidenceRule {
     fn default() -> Self {
-        Self { passes_min: 3, passes_per_hit: 0.5, hits_min: 6 }
+        Self { passes_min: 3, passes_per_hit: 0.5, run_min: 20, run_passes_per_hit: 0.1, hits_min: 6 }
     }
 }
 
@@ -37,9 +41,11 @@ impl EvidenceRule {
     /// use floorguard_mapping::people_removal::{Evidence, EvidenceRule, Voxel};
     ///
     /// let rule = EvidenceRule::default();
-    /// let read = |hits, passes| rule.read(Voxel { hits, passes, last_sweep: 1 });
-    /// assert_eq!(read(2, 40), Evidence::Free);
-    /// assert_eq!(read(90, 4), Evidence::Occupied);
+    /// let read = |hits, passes, longest_run| rule.read(Voxel { hits, passes, longest_run, ..Voxel::default() });
+    /// assert_eq!(read(2, 40, 30), Evidence::Free);
+    /// assert_eq!(read(90, 30, 2), Evidence::Occupied);
+    /// // A person stood there for nine seconds, and left.
+    /// assert_eq!(read(90, 30, 30), Evidence::Free);
     /// // Never measured is not free.
     /// assert_eq!(rule.read(Voxel::default()), Evidence::Unknown);
     /// ```
@@ -47,7 +53,9 @@ impl EvidenceRule {
     #[must_use]
     pub fn read(&self, voxel: Voxel) -> Evidence {
         let (passes, hits) = (f32::from(voxel.passes), f32::from(voxel.hits));
-        if voxel.passes >= self.passes_min && passes >= self.passes_per_hit * hits {
+        let is_mostly_free = voxel.passes >= self.passes_min && passes >= self.passes_per_hit * hits;
+        let was_left = voxel.longest_run >= self.run_min && passes >= self.run_passes_per_hit * hits;
+        if is_mostly_free || was_left {
             Evidence::Free
         } else if voxel.hits >= self.hits_min {
             Evidence::Occupied

@@ -11,6 +11,11 @@ pub struct Voxel {
     pub hits: u8,
     /// Number of the last sweep that touched it; 0 for none.
     pub last_sweep: u16,
+    /// Passes since the last hit.
+    pub run: u8,
+    /// Most passes between two hits, before the first or after the last: a person who leaves makes one long run, rays that
+    /// now and then miss an edge make short ones.
+    pub longest_run: u8,
 }
 
 /// Voxels along an edge of a block, as a power of two.
@@ -65,7 +70,7 @@ impl VoxelIndex {
     }
 }
 
-/// 8 × 8 × 8 voxels; 2 KiB.
+/// 8 × 8 × 8 voxels; 3 KiB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
     pub(super) key: BlockKey,
@@ -75,7 +80,7 @@ pub struct Block {
 impl Block {
     /// Belongs to no place yet.
     pub const FREE: Self =
-        Self { key: BlockKey::NONE, voxels: [Voxel { passes: 0, hits: 0, last_sweep: 0 }; CELLS] };
+        Self { key: BlockKey::NONE, voxels: [Voxel { passes: 0, hits: 0, last_sweep: 0, run: 0, longest_run: 0 }; CELLS] };
 
     /// An untouched block of a place.
     #[must_use]
@@ -160,6 +165,7 @@ impl Voxel {
             self.last_sweep = sweep;
             self.make_space();
             self.hits = self.hits.saturating_add(1);
+            self.run = 0;
         }
     }
 
@@ -170,6 +176,8 @@ impl Voxel {
             self.last_sweep = sweep;
             self.make_space();
             self.passes = self.passes.saturating_add(1);
+            self.run = self.run.saturating_add(1);
+            self.longest_run = self.longest_run.max(self.run);
         }
     }
 

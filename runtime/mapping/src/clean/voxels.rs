@@ -5,7 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use floorguard_mapping::people_removal::{Block, BlockKey, VoxelStore};
 
-/// Blocks in the order in which they were first touched. Grows by 2 KiB for each 0.5 m³ of seen space (voxels of 0.1 m).
+/// Blocks in the order in which they were first touched. Grows by 3 KiB for each 0.5 m³ of seen space (voxels of 0.1 m).
 #[derive(Clone, Debug, Default)]
 pub struct GrowingVoxels {
     blocks: Vec<Block>,
