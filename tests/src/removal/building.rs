@@ -53,7 +53,10 @@ impl Building {
     fn wall(&mut self, x: [f32; 2], y: [f32; 2]) {
         let half = 0.5 * WALL_M;
         let (y_low, y_high) = (y[0].min(y[1]), y[0].max(y[1]));
-        self.cuboids.push(Cuboid { low: [x[0] - half, y_low - half, 0.0], high: [x[1] + half, y_high + half, CEILING_M] });
+        self.cuboids.push(Cuboid {
+            low: [x[0] - half, y_low - half, 0.0],
+            high: [x[1] + half, y_high + half, CEILING_M],
+        });
     }
 
     fn corridor_ends(&mut self) {

@@ -74,7 +74,9 @@ fn plan(data: &Path, folder: &Path, table: &mut String) -> anyhow::Result<bool> 
     let reference = octomap(&Plan { drive: &drive, track: &drive.track })?;
     row(table, ["OctoMap, written plainly", "fr101, 4 walkers"], &reference);
     let is_faster = clean.ms_per_sweep <= PLAN_MS;
-    Ok(meets(&clean, PLAN_GOALS) && is_faster && clean.score.harmonic_mean() > reference.score.harmonic_mean())
+    Ok(meets(&clean, PLAN_GOALS)
+        && is_faster
+        && clean.score.harmonic_mean() > reference.score.harmonic_mean())
 }
 
 fn buildings(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool> {
@@ -126,7 +128,10 @@ fn pictures(folder: &Path, name: &str, outcome: &Outcome) -> anyhow::Result<()> 
     let frame: Vec<Point3> = kept.iter().chain(removed).copied().collect();
     let before = TopView { kept, removed, heights_m: [0.1, 2.0] };
     std::fs::write(folder.join(format!("{name}-before.png")), draw_top_view(&before, &frame))?;
-    std::fs::write(folder.join(format!("{name}-after.png")), draw_top_view(&TopView { removed: &[], ..before }, &frame))?;
+    std::fs::write(
+        folder.join(format!("{name}-after.png")),
+        draw_top_view(&TopView { removed: &[], ..before }, &frame),
+    )?;
     std::fs::write(folder.join(format!("{name}-clean.ply")), cloud_ply(kept))?;
     Ok(std::fs::write(folder.join(format!("{name}-removed.ply")), cloud_ply(removed))?)
 }
@@ -148,6 +153,7 @@ fn boxes(table: &mut String) -> bool {
     let sample = &points[..20_000];
     let plain = sample.iter().filter(|point| boxes.iter().any(|each| each.contains(**point))).count();
     let is_right = plain == sample.iter().filter(|point| index.contains(**point)).count();
-    let _ = writeln!(table, "\n1,000 boxes from 10 million points: {inside} inside, {took_s:.2} s on one core.");
+    let _ =
+        writeln!(table, "\n1,000 boxes from 10 million points: {inside} inside, {took_s:.2} s on one core.");
     is_right && took_s <= 1.0
 }

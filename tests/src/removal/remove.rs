@@ -4,10 +4,10 @@ use floorguard_mapping::people_removal::PointVerdict;
 use floorguard_mapping_host::clean::{CleanConfig, Cleaner, Thinned, Track};
 use floorguard_types::geometry::Point3;
 
-use crate::bench::took;
 use super::octomap::OctoMap;
 use super::score::Score;
 use super::sim3d::LabelledSweep;
+use crate::bench::took;
 
 /// Surveys whose sweeps can be asked for again and again.
 pub trait Surveys {
@@ -103,11 +103,7 @@ pub fn octomap(surveys: &dyn Surveys) -> anyhow::Result<Outcome> {
 }
 
 /// Puts the returns into the map, each by the pose at its own time; the pose in the middle of the sweep is the sensor's.
-fn place(
-    labelled: &LabelledSweep,
-    track: &Track,
-    placed: &mut Vec<Point3>,
-) -> Option<Point3> {
+fn place(labelled: &LabelledSweep, track: &Track, placed: &mut Vec<Point3>) -> Option<Point3> {
     let sweep = &labelled.sweep;
     placed.clear();
     let mut pose = track.at(sweep.start_s)?;

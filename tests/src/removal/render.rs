@@ -65,7 +65,10 @@ impl Drive {
             let time_s = self.poses[0][0] + step as f32 * 0.01;
             let [x, y, heading] = self.at(time_s);
             let [qx, qy, qz, qw] = quaternion(0.0, 0.0, f64::from(heading));
-            tum += &format!("{} {x} {y} {SENSOR_M} {qx} {qy} {qz} {qw}\n", self.poses[0][0] as f64 + step as f64 * 0.01);
+            tum += &format!(
+                "{} {x} {y} {SENSOR_M} {qx} {qy} {qz} {qw}\n",
+                self.poses[0][0] as f64 + step as f64 * 0.01
+            );
         }
         Track::new(read_tum(&tum).expect("eight numbers a line")).expect("times ascend")
     }
@@ -109,9 +112,8 @@ impl Survey<'_> {
             let azimuth = -std::f32::consts::TAU * firing as f32 / FIRINGS as f32;
             for ring in 0..16_u8 {
                 let elevation = (2.0 * f32::from(ring) - 15.0).to_radians();
-                let direction = |turn: f32| {
-                    [elevation.cos() * turn.cos(), elevation.cos() * turn.sin(), elevation.sin()]
-                };
+                let direction =
+                    |turn: f32| [elevation.cos() * turn.cos(), elevation.cos() * turn.sin(), elevation.sin()];
                 let ray = Ray { from: [x, y, SENSOR_M], direction: direction(heading + azimuth) };
                 let (range_m, label) = self.nearest(&ray, &bodies);
                 if range_m < 0.3 {
@@ -119,7 +121,11 @@ impl Survey<'_> {
                 }
                 let measured_m = ((range_m + NOISE_M * chance.normal()) / 0.002).round() * 0.002;
                 let [dx, dy, dz] = direction(azimuth).map(|part| part * measured_m);
-                sweep.sweep.returns.push(RawReturn { point_in_sensor: Point3::new(dx, dy, dz), offset_s, ring });
+                sweep.sweep.returns.push(RawReturn {
+                    point_in_sensor: Point3::new(dx, dy, dz),
+                    offset_s,
+                    ring,
+                });
                 sweep.labels.push(label);
             }
         }
@@ -133,7 +139,9 @@ impl Survey<'_> {
             let stride = 0.2 * (6.0 * time_s).sin();
             let [x, y] = middle;
             let hip = 0.5 * person.height_m;
-            let mut part = |middle, radius_m, heights| bodies.push((number as u8 + 1, Cylinder { middle, radius_m, heights }));
+            let mut part = |middle, radius_m, heights| {
+                bodies.push((number as u8 + 1, Cylinder { middle, radius_m, heights }))
+            };
             part([x + stride, y + 0.1], 0.07, [0.0, hip]);
             part([x - stride, y - 0.1], 0.07, [0.0, hip]);
             part(middle, 0.2, [hip, person.height_m - 0.25]);
@@ -177,7 +185,8 @@ impl Ray {
         let (mut near, mut far) = (0.0_f32, f32::INFINITY);
         for axis in 0..3 {
             let one = 1.0 / self.direction[axis];
-            let (a, b) = ((cuboid.low[axis] - self.from[axis]) * one, (cuboid.high[axis] - self.from[axis]) * one);
+            let (a, b) =
+                ((cuboid.low[axis] - self.from[axis]) * one, (cuboid.high[axis] - self.from[axis]) * one);
             (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
         }
         (near <= far && near > 0.0).then_some(near)

@@ -86,7 +86,8 @@ fn track_of(rows: &[[f64; 6]]) -> anyhow::Result<Track> {
 
 /// Of turns about fixed axes, x first.
 pub fn quaternion(roll: f64, pitch: f64, yaw: f64) -> [f64; 4] {
-    let ((sr, cr), (sp, cp), (sy, cy)) = ((0.5 * roll).sin_cos(), (0.5 * pitch).sin_cos(), (0.5 * yaw).sin_cos());
+    let ((sr, cr), (sp, cp), (sy, cy)) =
+        ((0.5 * roll).sin_cos(), (0.5 * pitch).sin_cos(), (0.5 * yaw).sin_cos());
     [
         sr * cp * cy - cr * sp * sy,
         cr * sp * cy + sr * cp * sy,
@@ -107,7 +108,8 @@ impl SimulatedDrive {
         let mut rows: Vec<[f64; 6]> = self.rows.iter().step_by(20).copied().collect();
         for [_, x, y, yaw, roll, pitch] in &mut rows {
             (*x, *y) = (*x + error(place_m), *y + error(place_m));
-            (*yaw, *roll, *pitch) = (*yaw + error(angle_rad), *roll + error(angle_rad), *pitch + error(angle_rad));
+            (*yaw, *roll, *pitch) =
+                (*yaw + error(angle_rad), *roll + error(angle_rad), *pitch + error(angle_rad));
         }
         track_of(&rows)
     }

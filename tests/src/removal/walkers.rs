@@ -39,7 +39,8 @@ impl Walker {
     /// To the end of the corridor, by the door of the room if it stands in one, and away.
     fn leave(&mut self, building: &Building) {
         let [_, x, y] = self.course[self.course.len() - 1];
-        let door_m = building.rooms.iter().map(|room| room[0]).min_by(|a, b| (a - x).abs().total_cmp(&(b - x).abs()));
+        let door_m =
+            building.rooms.iter().map(|room| room[0]).min_by(|a, b| (a - x).abs().total_cmp(&(b - x).abs()));
         if y.abs() > 1.0 {
             self.walk([door_m.unwrap_or(x), y], 1.1);
             self.walk([door_m.unwrap_or(x), 0.0], 1.1);

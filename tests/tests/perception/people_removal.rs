@@ -32,9 +32,9 @@ fn key() -> Option<Vec<[f32; 6]>> {
 }
 
 fn is_in(boxes: &[[f32; 6]], point: [f32; 3], grown_m: f32) -> bool {
-    let inside = |each: &[f32; 6]| (0..3).all(|axis| {
-        (each[axis] - grown_m..=each[axis + 3] + grown_m).contains(&point[axis])
-    });
+    let inside = |each: &[f32; 6]| {
+        (0..3).all(|axis| (each[axis] - grown_m..=each[axis + 3] + grown_m).contains(&point[axis]))
+    };
     boxes.iter().any(inside)
 }
 
@@ -56,11 +56,15 @@ fn walkers_leave_the_recorded_hall() {
     clean_map(&arguments).expect("the hall is cleaned");
     let (clean, removed) = (cloud(&out.join("clean.ply")), cloud(&out.join("removed.ply")));
     assert!(people.len() > 250 && clean.len() > 20_000, "{} boxes, {} points", people.len(), clean.len());
-    let among = |points: &[[f32; 3]], grown_m| points.iter().filter(|point| is_in(&people, **point, grown_m)).count();
+    let among =
+        |points: &[[f32; 3]], grown_m| points.iter().filter(|point| is_in(&people, **point, grown_m)).count();
     let (left, gone) = (among(&clean, 0.0), among(&removed, 0.0));
     // Of what is removed, nearly all was a person: the key's boxes end at returns, bodies do not.
     let stray = removed.len() - among(&removed, 0.3);
-    println!("{left} points stay among the people, {gone} are gone; {stray} of {} removed elsewhere", removed.len());
+    println!(
+        "{left} points stay among the people, {gone} are gone; {stray} of {} removed elsewhere",
+        removed.len()
+    );
     assert!(left as f64 <= 0.1 * (left + gone) as f64, "{left} of {}", left + gone);
     assert!(stray as f64 <= 0.1 * clean.len() as f64, "{stray} of {}", clean.len());
 }

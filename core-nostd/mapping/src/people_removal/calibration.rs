@@ -26,7 +26,9 @@ impl core::fmt::Display for CalibrationError {
                 "the matrix between camera and lidar is no rotation: RᵀR − I is {deviation} (at most 0.0001), the \
                  determinant {determinant}; calibrate again"
             ),
-            Self::Translation => write!(f, "the translation between camera and lidar is beyond 100 m or not finite"),
+            Self::Translation => {
+                write!(f, "the translation between camera and lidar is beyond 100 m or not finite")
+            }
             Self::Lens => write!(f, "a distortion coefficient is beyond 100 or not finite"),
         }
     }

@@ -80,7 +80,8 @@ impl LensCamera {
         }
         let (x, y) = (point.x_m / point.z_m, point.y_m / point.z_m);
         let squared = x * x + y * y;
-        let is_inside = libm::fabsf(x) <= SIDE_MAX && libm::fabsf(y) <= SIDE_MAX && squared < self.fold_squared;
+        let is_inside =
+            libm::fabsf(x) <= SIDE_MAX && libm::fabsf(y) <= SIDE_MAX && squared < self.fold_squared;
         if !is_inside {
             return None;
         }

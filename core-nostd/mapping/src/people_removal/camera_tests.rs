@@ -5,7 +5,8 @@ use floorguard_types::sensing::{PinholeCamera, Pixel};
 use std::vec::Vec;
 
 use super::{
-    BrownLens, CalibrationError, LensCamera, NoPosition, PersonBox, PositionMethod, checked_mounting, person_position,
+    BrownLens, CalibrationError, LensCamera, NoPosition, PersonBox, PositionMethod, checked_mounting,
+    person_position,
 };
 
 const ROTATION: [[f32; 3]; 3] = [
@@ -65,7 +66,10 @@ fn extrinsics_without_a_rotation_are_refused() {
     let refused = checked_mounting(Transform3 { rotation, ..Transform3::IDENTITY });
     assert!(matches!(refused, Err(CalibrationError::NoRotation { .. })));
     let translation = Point3::new(f32::NAN, 0.0, 0.0);
-    assert_eq!(checked_mounting(Transform3 { translation, ..Transform3::IDENTITY }), Err(CalibrationError::Translation));
+    assert_eq!(
+        checked_mounting(Transform3 { translation, ..Transform3::IDENTITY }),
+        Err(CalibrationError::Translation)
+    );
     let lens = BrownLens { radial: [f32::INFINITY, 0.0, 0.0], ..BrownLens::default() };
     assert_eq!(LensCamera::new(pinhole(), lens, Transform3::IDENTITY), Err(CalibrationError::Lens));
 }
@@ -102,11 +106,14 @@ fn depth_mode_does_not_look_between_the_legs() {
 fn boxes_without_meaning_give_no_place() {
     let camera = camera([0.0; 3], [0.0; 2]);
     let pixel = |column, row| Pixel { column, row };
-    let person = PersonBox { confidence: 0.9, upper_left: pixel(300.0, 100.0), lower_right: pixel(350.0, 300.0) };
-    let place = |person: &PersonBox| person_position(&camera, person, scene().into_iter(), PositionMethod::DepthMode);
+    let person =
+        PersonBox { confidence: 0.9, upper_left: pixel(300.0, 100.0), lower_right: pixel(350.0, 300.0) };
+    let place =
+        |person: &PersonBox| person_position(&camera, person, scene().into_iter(), PositionMethod::DepthMode);
     let unsure = PersonBox { confidence: f32::NAN, ..person };
     let inverted = PersonBox { lower_right: pixel(290.0, 300.0), ..person };
-    let beside = PersonBox { upper_left: pixel(5_000.0, 100.0), lower_right: pixel(5_050.0, 300.0), ..person };
+    let beside =
+        PersonBox { upper_left: pixel(5_000.0, 100.0), lower_right: pixel(5_050.0, 300.0), ..person };
     assert_eq!(
         [place(&unsure), place(&inverted), place(&beside)],
         [Err(NoPosition::NotSure), Err(NoPosition::NoBox), Err(NoPosition::NoPoints)]

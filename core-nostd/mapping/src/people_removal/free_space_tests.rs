@@ -83,7 +83,12 @@ fn enter(fan: &mut SweepFan<3, 360>, ring: usize, degrees: f32, range_m: f32) {
     let (azimuth, elevation) = (degrees.to_radians(), (2.0 * ring as f32 - 2.0).to_radians());
     let flat_m = range_m * elevation.cos();
     let point = Point3::new(flat_m * azimuth.cos(), flat_m * azimuth.sin(), range_m * elevation.sin());
-    fan.enter(FanReturn { ring, point_in_sensor: point, point_in_map: point, sensor_in_map: Point3::default() });
+    fan.enter(FanReturn {
+        ring,
+        point_in_sensor: point,
+        point_in_map: point,
+        sensor_in_map: Point3::default(),
+    });
 }
 
 #[test]
@@ -117,7 +122,12 @@ fn a_flat_surface_ends_rays_before_its_height() {
         let elevation = (2.0 * ring as f32 - 6.0).to_radians();
         let far_m = 0.8 / elevation.tan().abs();
         let point = Point3::new(far_m, 0.001, -0.8);
-        fan.enter(FanReturn { ring, point_in_sensor: point, point_in_map: point, sensor_in_map: Point3::default() });
+        fan.enter(FanReturn {
+            ring,
+            point_in_sensor: point,
+            point_in_map: point,
+            sensor_in_map: Point3::default(),
+        });
     }
     let rays = clear(&fan, rule);
     assert_eq!(rays.len(), 3);

@@ -149,7 +149,9 @@ impl<C: AsRef<[Column]> + AsMut<[Column]>> SweepJudge<C> {
     fn decide(&mut self) -> SweepOutcome {
         let mut outcome = SweepOutcome::default();
         let share = self.rule.column_share;
-        let may_move = move |column: &Column| column.free > 0 && f32::from(column.free) >= share * f32::from(column.points);
+        let may_move = move |column: &Column| {
+            column.free > 0 && f32::from(column.free) >= share * f32::from(column.points)
+        };
         for number in self.grid.numbers() {
             let column = self.grid.get(number);
             if column.mark != Mark::None || !may_move(&column) {

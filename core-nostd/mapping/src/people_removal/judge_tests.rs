@@ -6,7 +6,8 @@ use std::vec::Vec;
 use floorguard_types::geometry::Point3;
 
 use super::{
-    Block, Column, ColumnGrid, FixedVoxels, FreeSpace, JudgeRule, JudgedSweep, PointVerdict, SweepJudge, SweepOutcome,
+    Block, Column, ColumnGrid, FixedVoxels, FreeSpace, JudgeRule, JudgedSweep, PointVerdict, SweepJudge,
+    SweepOutcome,
 };
 
 type Space = FreeSpace<FixedVoxels<Vec<Block>>>;

@@ -28,7 +28,9 @@ pub use fan_clear::{ClearRay, FanRule};
 pub use floor_height::FloorHeight;
 pub use free_space::{FreeSpace, SpaceReader, SweepCount};
 pub use judge::{JudgeRule, JudgedSweep, PointVerdict, SweepJudge, SweepOutcome};
-pub use person_position::{NoPosition, PersonBox, PositionMethod, SWEEP_AGE_MAX_US, is_of_image, person_position};
+pub use person_position::{
+    NoPosition, PersonBox, PositionMethod, SWEEP_AGE_MAX_US, is_of_image, person_position,
+};
 pub use pose_between::{StampedPose, pose_at};
 pub use removal_box::{RemovalBox, RemovalSize};
 pub use revisits::{RevisitRule, revisits};

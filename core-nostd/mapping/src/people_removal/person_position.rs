@@ -85,7 +85,8 @@ pub fn person_position(
     if !is_sure {
         return Err(NoPosition::NotSure);
     }
-    let is_box = person.upper_left.column < person.lower_right.column && person.upper_left.row < person.lower_right.row;
+    let is_box = person.upper_left.column < person.lower_right.column
+        && person.upper_left.row < person.lower_right.row;
     if !is_box {
         return Err(NoPosition::NoBox);
     }
@@ -138,7 +139,8 @@ fn depth_mode(
     person: &PersonBox,
     seen: impl Iterator<Item = (Pixel, Point3)> + Clone,
 ) -> Result<Point3, NoPosition> {
-    let central = seen.filter(|(pixel, _)| person.share_from_middle(*pixel) <= 1.0 / 6.0).map(|(_, point)| point);
+    let central =
+        seen.filter(|(pixel, _)| person.share_from_middle(*pixel) <= 1.0 / 6.0).map(|(_, point)| point);
     let mut bins = [0_u32; BINS];
     let mut all = 0_u32;
     for point in central.clone() {

@@ -79,8 +79,10 @@ pub struct Block {
 
 impl Block {
     /// Belongs to no place yet.
-    pub const FREE: Self =
-        Self { key: BlockKey::NONE, voxels: [Voxel { passes: 0, hits: 0, last_sweep: 0, run: 0, longest_run: 0 }; CELLS] };
+    pub const FREE: Self = Self {
+        key: BlockKey::NONE,
+        voxels: [Voxel { passes: 0, hits: 0, last_sweep: 0, run: 0, longest_run: 0 }; CELLS],
+    };
 
     /// An untouched block of a place.
     #[must_use]

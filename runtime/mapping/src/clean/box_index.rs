@@ -25,8 +25,11 @@ impl BoxIndex {
     #[must_use]
     pub fn new(boxes: &[RemovalBox]) -> Self {
         let finite = |point: Point3| point.x_m.is_finite() && point.y_m.is_finite() && point.z_m.is_finite();
-        let boxes: Vec<RemovalBox> =
-            boxes.iter().copied().filter(|each| finite(each.lowest_in_map) && finite(each.highest_in_map)).collect();
+        let boxes: Vec<RemovalBox> = boxes
+            .iter()
+            .copied()
+            .filter(|each| finite(each.lowest_in_map) && finite(each.highest_in_map))
+            .collect();
         let low = |of: fn(&RemovalBox) -> f32| boxes.iter().map(of).fold(f32::INFINITY, f32::min);
         let high = |of: fn(&RemovalBox) -> f32| boxes.iter().map(of).fold(f32::NEG_INFINITY, f32::max);
         let corner_m = [low(|each| each.lowest_in_map.x_m), low(|each| each.lowest_in_map.y_m)];
@@ -40,8 +43,15 @@ impl BoxIndex {
         }
         let count = |extent_m: f32| if boxes.is_empty() { 0 } else { (extent_m / edge_m) as usize + 1 };
         let (columns, rows) = (count(extent_m[0]), count(extent_m[1]));
-        let mut index =
-            Self { boxes, corner_m, per_m: 1.0 / edge_m, columns, rows, starts: Vec::new(), numbers: Vec::new() };
+        let mut index = Self {
+            boxes,
+            corner_m,
+            per_m: 1.0 / edge_m,
+            columns,
+            rows,
+            starts: Vec::new(),
+            numbers: Vec::new(),
+        };
         index.fill();
         index
     }
@@ -49,7 +59,8 @@ impl BoxIndex {
     fn fill(&mut self) {
         let mut squares: Vec<Vec<u32>> = vec![Vec::new(); self.columns * self.rows];
         for (number, each) in self.boxes.iter().enumerate() {
-            let axis = |value: f32, axis: usize| ((value - self.corner_m[axis]) * self.per_m).max(0.0) as usize;
+            let axis =
+                |value: f32, axis: usize| ((value - self.corner_m[axis]) * self.per_m).max(0.0) as usize;
             let (low, high) = (each.lowest_in_map, each.highest_in_map);
             for row in axis(low.y_m, 1)..=axis(high.y_m, 1).min(self.rows.saturating_sub(1)) {
                 for column in axis(low.x_m, 0)..=axis(high.x_m, 0).min(self.columns.saturating_sub(1)) {

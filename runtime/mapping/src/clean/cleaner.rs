@@ -1,8 +1,8 @@
 //! The two passes.
 
 use floorguard_mapping::people_removal::{
-    Column, ColumnGrid, FanReturn, FanRule, FloorHeight, FreeSpace, JudgeRule, JudgedSweep, PointVerdict, SweepFan,
-    SweepJudge, SweepOutcome,
+    Column, ColumnGrid, FanReturn, FanRule, FloorHeight, FreeSpace, JudgeRule, JudgedSweep, PointVerdict,
+    SweepFan, SweepJudge, SweepOutcome,
 };
 use floorguard_types::geometry::{Point3, Transform3};
 
@@ -98,7 +98,9 @@ impl Cleaner {
         self.counts.observed += 1;
         self.fan.clear();
         self.space.begin_sweep();
-        for (each, (point, sensor)) in sweep.returns.iter().zip(self.points_in_map.iter().zip(&self.sensors_in_map)) {
+        for (each, (point, sensor)) in
+            sweep.returns.iter().zip(self.points_in_map.iter().zip(&self.sensors_in_map))
+        {
             self.space.hit(*point);
             self.fan.enter(FanReturn {
                 ring: usize::from(each.ring),
@@ -114,7 +116,12 @@ impl Cleaner {
 
     /// Second pass: a verdict for each return. `None` if no pose or no floor is known: then nothing of it is removed, and it
     /// belongs into no map without a pose.
-    pub fn judge(&mut self, sweep: &RawSweep, track: &Track, verdicts: &mut Vec<PointVerdict>) -> Option<SweepOutcome> {
+    pub fn judge(
+        &mut self,
+        sweep: &RawSweep,
+        track: &Track,
+        verdicts: &mut Vec<PointVerdict>,
+    ) -> Option<SweepOutcome> {
         verdicts.clear();
         verdicts.resize(sweep.returns.len(), PointVerdict::OutsideBand);
         if !self.place(sweep, track) {

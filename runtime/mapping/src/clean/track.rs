@@ -52,7 +52,8 @@ impl Track {
     /// A sensor that stands still at the origin of its map, for as long as anything is recorded.
     #[must_use]
     pub fn standing() -> Self {
-        let rest = |time_s| TimedPose { time_s, place_m: Vector3::zeros(), rotation: UnitQuaternion::identity() };
+        let rest =
+            |time_s| TimedPose { time_s, place_m: Vector3::zeros(), rotation: UnitQuaternion::identity() };
         Self { poses: vec![rest(f64::NEG_INFINITY), rest(f64::INFINITY)] }
     }
 
@@ -70,7 +71,8 @@ impl Track {
         let second = after.clamp(1, self.poses.len().max(2) - 1);
         let (Some(from), to) = (self.poses.get(second - 1), self.poses.get(second)) else { return None };
         let Some(to) = to else {
-            return ((time_s - from.time_s).abs() <= OUTSIDE_MAX_S).then(|| transform(from.place_m, from.rotation));
+            return ((time_s - from.time_s).abs() <= OUTSIDE_MAX_S)
+                .then(|| transform(from.place_m, from.rotation));
         };
         if from.time_s.is_infinite() {
             return Some(transform(from.place_m, from.rotation));

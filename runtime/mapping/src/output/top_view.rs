@@ -55,10 +55,11 @@ pub fn draw_top_view(view: &TopView<'_>, frame: &[Point3]) -> Vec<u8> {
     for (x, y) in view.kept.iter().filter(drawn).filter_map(place) {
         counts[(y * width + x) as usize] += 1;
     }
-    let mut image = RgbImage::from_fn(width, height, |x, y| match counts[(y * width + x) as usize].min(FULL) {
-        0 => PAPER,
-        count => Rgb([(190 - 180 * count / FULL) as u8; 3]),
-    });
+    let mut image =
+        RgbImage::from_fn(width, height, |x, y| match counts[(y * width + x) as usize].min(FULL) {
+            0 => PAPER,
+            count => Rgb([(190 - 180 * count / FULL) as u8; 3]),
+        });
     for (x, y) in view.removed.iter().filter(drawn).filter_map(place) {
         image.put_pixel(x, y, REMOVED);
     }

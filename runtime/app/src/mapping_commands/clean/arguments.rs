@@ -6,8 +6,10 @@ use clap::Args;
 
 /// What to clean.
 #[derive(Clone, Debug, Args)]
-#[command(after_help = "Examples: floorguard clean-map puck.pcap --poses trajectory.tum --out clean\n          \
-                        floorguard clean-map standing-lidar.pcap.gz --out clean")]
+#[command(
+    after_help = "Examples: floorguard clean-map puck.pcap --poses trajectory.tum --out clean\n          \
+                        floorguard clean-map standing-lidar.pcap.gz --out clean"
+)]
 pub struct CleanArguments {
     /// Captures of a Velodyne lidar (.pcap, .pcapng; packed or not). Several surveys of one building are cleaned together: what
     /// stood through one of them and is gone in another leaves the map.

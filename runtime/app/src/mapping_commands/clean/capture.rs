@@ -30,7 +30,8 @@ impl LidarCapture {
     /// It cannot be read, or holds no lidar.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let model = settle_model(path, ModelChoice::Auto)?;
-        let mut capture = Self { path: path.to_owned(), model, first_s: f64::NAN, last_s: f64::NAN, sweeps: 0 };
+        let mut capture =
+            Self { path: path.to_owned(), model, first_s: f64::NAN, last_s: f64::NAN, sweeps: 0 };
         let (mut first_s, mut last_s, mut sweeps) = (f64::INFINITY, f64::NEG_INFINITY, 0);
         capture.for_each(&mut |sweep| {
             first_s = sweep.start_s.min(first_s);

@@ -31,12 +31,16 @@ struct Survey {
 pub fn run(arguments: &CleanArguments) -> anyhow::Result<()> {
     if !arguments.poses.is_empty() && arguments.poses.len() != arguments.files.len() {
         let (poses, files) = (arguments.poses.len(), arguments.files.len());
-        return Err(WrongUsage(format!("{poses} trajectories for {files} captures: give one for each, or none")).into());
+        return Err(WrongUsage(format!(
+            "{poses} trajectories for {files} captures: give one for each, or none"
+        ))
+        .into());
     }
     prepare(&arguments.out)?;
     let surveys = surveys(arguments)?;
     let config = CleanConfig { voxel_m: arguments.voxel_m, ..surveys[0].capture.config() };
-    let cleaner = Cleaner::new(&config).ok_or_else(|| WrongUsage("a voxel of this edge cannot be".to_owned()))?;
+    let cleaner =
+        Cleaner::new(&config).ok_or_else(|| WrongUsage("a voxel of this edge cannot be".to_owned()))?;
     let mut work = Work {
         cleaner,
         floor: None,
@@ -64,7 +68,8 @@ fn surveys(arguments: &CleanArguments) -> anyhow::Result<Vec<Survey>> {
         };
         let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", path.display()));
         let mut poses: Vec<TimedPose> = read_tum(&text(path)?).map_err(|error| bad(&error))?;
-        let is_relative = poses.first().is_some_and(|pose| pose.time_s < ABSOLUTE_S) && capture.first_s >= ABSOLUTE_S;
+        let is_relative =
+            poses.first().is_some_and(|pose| pose.time_s < ABSOLUTE_S) && capture.first_s >= ABSOLUTE_S;
         if is_relative {
             poses.iter_mut().for_each(|pose| pose.time_s += capture.first_s);
         }
@@ -72,7 +77,9 @@ fn surveys(arguments: &CleanArguments) -> anyhow::Result<Vec<Survey>> {
         let [from_s, to_s] = track.span_s();
         if to_s < capture.first_s || from_s > capture.last_s {
             let (first_s, last_s) = (capture.first_s, capture.last_s);
-            let what = format!("its times, {from_s:.1} to {to_s:.1} s, are not those of the capture, {first_s:.1} to {last_s:.1} s");
+            let what = format!(
+                "its times, {from_s:.1} to {to_s:.1} s, are not those of the capture, {first_s:.1} to {last_s:.1} s"
+            );
             return Err(bad(&what).into());
         }
         surveys.push(Survey { capture, track });
@@ -90,7 +97,12 @@ struct Work {
 }
 
 impl Work {
-    fn clean(&mut self, surveys: &[Survey], arguments: &CleanArguments, progress: &Progress) -> anyhow::Result<()> {
+    fn clean(
+        &mut self,
+        surveys: &[Survey],
+        arguments: &CleanArguments,
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
         let began = Instant::now();
         for survey in surveys {
             survey.capture.for_each(&mut |sweep| {
@@ -105,7 +117,8 @@ impl Work {
             return Err(BadInput("no sweep has a pose: nothing to clean".to_owned()).into());
         }
         let floor_m = self.floor.as_ref().and_then(FloorHeight::floor_m);
-        self.summary.floor_m = floor_m.ok_or_else(|| BadInput("no floor in any sweep: is the lidar level?".to_owned()))?;
+        self.summary.floor_m =
+            floor_m.ok_or_else(|| BadInput("no floor in any sweep: is the lidar level?".to_owned()))?;
         if let Some(path) = &arguments.people {
             self.boxes = BoxIndex::new(&boxes(path, self.summary.floor_m)?);
         }
@@ -120,7 +133,8 @@ impl Work {
         self.summary.judge_ms_per_sweep = 1.0e3 * began.elapsed().as_secs_f64() / sweeps;
         self.summary.sweeps_without_floor = self.cleaner.counts.without_floor;
         self.summary.evidence_left_out = self.cleaner.space().counts().left_out;
-        (self.summary.points_clean, self.summary.points_removed) = (self.clean.points().len(), self.removed.points().len());
+        (self.summary.points_clean, self.summary.points_removed) =
+            (self.clean.points().len(), self.removed.points().len());
         Ok(())
     }
 
@@ -162,18 +176,36 @@ fn report(arguments: &CleanArguments, surveys: &[Survey], summary: &CleanSummary
     let share = |part: u64| 100.0 * part as f64 / summary.returns.max(1) as f64;
     say!("cleaned: {} ({})", arguments.out.display(), surveys[0].capture.model_name());
     say!("  {} and {}", counted(summary.sweeps, "sweep"), counted(summary.returns, "return"));
-    say!("  removed: {} of what moved ({:.2} %)", counted(summary.returns_moved, "return"), share(summary.returns_moved));
+    say!(
+        "  removed: {} of what moved ({:.2} %)",
+        counted(summary.returns_moved, "return"),
+        share(summary.returns_moved)
+    );
     if arguments.people.is_some() {
         say!("  and {} in boxes around people", counted(summary.returns_in_boxes, "return"));
     }
     if summary.sweeps_without_pose > 0 {
-        say!("  note: {} have no pose at their time and are in no cloud", counted(summary.sweeps_without_pose, "sweep"));
+        say!(
+            "  note: {} have no pose at their time and are in no cloud",
+            counted(summary.sweeps_without_pose, "sweep")
+        );
     }
     if summary.sweeps_without_floor > 0 {
-        say!("  note: no floor in {}; nothing of them was removed", counted(summary.sweeps_without_floor, "sweep"));
+        say!(
+            "  note: no floor in {}; nothing of them was removed",
+            counted(summary.sweeps_without_floor, "sweep")
+        );
     }
-    say!("  clouds: {} stay, {} were removed", counted(summary.points_clean as u64, "point"), summary.points_removed);
-    say!("  took {:.1} + {:.1} ms a sweep, reading included", summary.observe_ms_per_sweep, summary.judge_ms_per_sweep);
+    say!(
+        "  clouds: {} stay, {} were removed",
+        counted(summary.points_clean as u64, "point"),
+        summary.points_removed
+    );
+    say!(
+        "  took {:.1} + {:.1} ms a sweep, reading included",
+        summary.observe_ms_per_sweep,
+        summary.judge_ms_per_sweep
+    );
     say!("  look at {} and after.png", arguments.out.join("before.png").display());
     Ok(())
 }

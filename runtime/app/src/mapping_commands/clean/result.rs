@@ -60,7 +60,12 @@ pub fn prepare(folder: &Path) -> Result<(), WrongUsage> {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, clean: &Thinned, removed: &Thinned, summary: &CleanSummary) -> anyhow::Result<()> {
+pub fn write(
+    folder: &Path,
+    clean: &Thinned,
+    removed: &Thinned,
+    summary: &CleanSummary,
+) -> anyhow::Result<()> {
     let (kept, gone) = (clean.points(), removed.points());
     let all: Vec<Point3> = kept.iter().chain(gone).copied().collect();
     let heights_m = [summary.floor_m + 0.1, summary.floor_m + 2.0];
