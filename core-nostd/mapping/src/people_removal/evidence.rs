@@ -30,7 +30,7 @@ pub struct EvidenceRule {
 
 impl Default for EvidenceRule {
     fn default() -> Self {
-        Self { passes_min: 3, passes_per_hit: 0.5, run_min: 20, run_passes_per_hit: 0.1, hits_min: 6 }
+        Self { passes_min: 3, passes_per_hit: 0.35, run_min: 20, run_passes_per_hit: 0.1, hits_min: 6 }
     }
 }
 
@@ -43,7 +43,7 @@ impl EvidenceRule {
     /// let rule = EvidenceRule::default();
     /// let read = |hits, passes, longest_run| rule.read(Voxel { hits, passes, longest_run, ..Voxel::default() });
     /// assert_eq!(read(2, 40, 30), Evidence::Free);
-    /// assert_eq!(read(90, 30, 2), Evidence::Occupied);
+    /// assert_eq!(read(90, 20, 2), Evidence::Occupied);
     /// // A person stood there for nine seconds, and left.
     /// assert_eq!(read(90, 30, 30), Evidence::Free);
     /// // Never measured is not free.
