@@ -70,7 +70,7 @@ fn walkers_leave_the_recorded_hall() {
 }
 
 #[test]
-fn who_left_between_surveys_is_out_of_the_map() {
+fn who_left_between_surveys_is_removed() {
     let surveys = Twice::left_between();
     let outcome = ours(&surveys).expect("rendered, not read");
     let score = outcome.score;

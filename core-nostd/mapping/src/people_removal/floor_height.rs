@@ -1,4 +1,6 @@
-//! How high the floor is: the height below the sensor that most returns share.
+//! How high the floor is: the lowest height below the sensor that many returns share.
+//!
+//! Not the height that most share: in a narrow corridor the lower rings end on the walls, all at nearly one height.
 
 use floorguard_types::number::{nearest_f32, saturating_usize};
 
@@ -12,6 +14,9 @@ use floorguard_types::number::{nearest_f32, saturating_usize};
 /// (0..60).for_each(|step| heights.enter(0.01 * step as f32));
 /// assert!((heights.floor_m().unwrap() - 0.01).abs() < 0.011);
 /// assert_eq!(FloorHeight::below(0.8).floor_m(), None);
+/// // Rings on the walls of a corridor are more, and higher.
+/// (0..300).for_each(|_| heights.enter(0.48));
+/// assert!((heights.floor_m().unwrap() - 0.01).abs() < 0.011);
 /// ```
 #[derive(Clone, Debug)]
 pub struct FloorHeight {
@@ -28,6 +33,10 @@ const BINS: usize = 150;
 const CLEARANCE_M: f32 = 0.25;
 /// With fewer returns no floor is claimed.
 const RETURNS_MIN: u32 = 50;
+/// The floor has at least one return for so many of the fullest height.
+const SHARE: u32 = 5;
+/// The fullest bins of the floor lie at most so many above its first ones: 8 cm of noise.
+const RISE_BINS: usize = 4;
 
 impl FloorHeight {
     /// Below a sensor at this height, in the map.
@@ -50,17 +59,21 @@ impl FloorHeight {
         }
     }
 
-    /// Mean height of the fullest pair of bins; `None` with too few returns.
+    /// Mean height of the fullest pair of bins of the lowest level; `None` with too few returns.
     #[must_use]
     pub fn floor_m(&self) -> Option<f32> {
+        let fullest = self.bins.windows(2).map(|pair| pair.iter().sum::<u32>()).max().unwrap_or(0);
+        let enough = RETURNS_MIN.max(fullest / SHARE);
+        let pairs = || self.bins.windows(2).zip(self.sums_m.windows(2)).rev();
+        let lowest = pairs().position(|(counts, _)| counts.iter().sum::<u32>() >= enough)?;
         let mut best = (0_u32, 0.0_f32);
-        for (counts, sums_m) in self.bins.windows(2).zip(self.sums_m.windows(2)) {
+        for (counts, sums_m) in pairs().skip(lowest).take(RISE_BINS) {
             let count: u32 = counts.iter().sum();
             if count > best.0 {
                 best = (count, sums_m.iter().sum());
             }
         }
         let (count, sum_m) = best;
-        (count >= RETURNS_MIN).then(|| sum_m / nearest_f32(count))
+        (count > 0).then(|| sum_m / nearest_f32(count))
     }
 }

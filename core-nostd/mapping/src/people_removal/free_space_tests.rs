@@ -42,7 +42,7 @@ fn a_ray_passes_the_voxels_that_it_crosses() {
 }
 
 #[test]
-fn a_voxel_counts_once_a_sweep_and_hits_come_first() {
+fn a_voxel_counts_once_a_sweep() {
     let mut space = space(64);
     let place = Point3::new(1.05, 0.05, 0.55);
     for _ in 0..3 {
@@ -92,7 +92,7 @@ fn enter(fan: &mut SweepFan<3, 360>, ring: usize, degrees: f32, range_m: f32) {
 }
 
 #[test]
-fn a_ray_is_clear_up_to_what_stands_beside_it() {
+fn rays_end_beside_near_returns() {
     let rule = FanRule { every: 1, ..FanRule::default() };
     let mut fan = SweepFan::<3, 360>::new([-2.0_f32, 0.0, 2.0].map(f32::to_radians));
     // A wall at 5 m; no return beyond 40°: nothing is known there.

@@ -54,7 +54,7 @@ fn judged(space: &Space, points: &[Point3]) -> (SweepOutcome, Vec<PointVerdict>)
 }
 
 #[test]
-fn a_person_goes_whole_and_floor_and_wall_stay() {
+fn a_person_goes_whole() {
     let parts = sweep();
     let points = parts.concat();
     let (outcome, verdicts) = judged(&evidence(&parts, 2.0), &points);
