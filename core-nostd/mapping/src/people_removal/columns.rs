@@ -109,10 +109,8 @@ impl<C: AsRef<[Column]> + AsMut<[Column]>> ColumnGrid<C> {
         let inside = move |value: i32| (0..width).contains(&value);
         (-reach..=reach)
             .flat_map(move |up| (-reach..=reach).map(move |right| (column + right, row + up)))
-            .filter_map(move |(column, row)| {
-                (inside(column) && inside(row))
-                    .then(|| truncating_u32(row.wrapping_mul(width).wrapping_add(column)))
-            })
+            .filter(move |(column, row)| inside(*column) && inside(*row))
+            .map(move |(column, row)| truncating_u32(row.wrapping_mul(width).wrapping_add(column)))
     }
 
     /// Collects the columns that hang together with `first` by `belongs`, which is asked of each only once; all of them are

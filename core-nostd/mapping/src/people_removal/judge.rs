@@ -51,7 +51,7 @@ impl Default for JudgeRule {
 /// What is decided about a return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointVerdict {
-    /// it stays; evidence of the space around it.
+    /// It stays; evidence of the space around it.
     Kept(Evidence),
     /// It stays: too low or too high for evidence, and not part of an object that moved.
     OutsideBand,

@@ -93,7 +93,7 @@ pub fn person_position(
     let seen = points_in_lidar.filter_map(|point| Some((camera.project(point)?, point)));
     match method {
         PositionMethod::NearestToMiddle => nearest_to_middle(person, seen),
-        PositionMethod::DepthMode => depth_mode(person, seen.map(|(pixel, point)| (pixel, point))),
+        PositionMethod::DepthMode => depth_mode(person, seen),
     }
 }
 
