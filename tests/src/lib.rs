@@ -13,6 +13,7 @@ pub mod fuzz;
 pub mod lidar_frames;
 pub mod online;
 pub mod prediction;
+pub mod removal;
 pub mod reproduce;
 pub mod rgbd;
 pub mod slam;

@@ -31,6 +31,7 @@ pub mod environment;
 mod grid;
 pub mod match_field;
 mod occupancy;
+pub mod people_removal;
 mod poisson;
 mod rolling;
 pub mod seen_dirt;

@@ -1,6 +1,7 @@
 //! Maps of buildings: made out of recordings, judged, and used to find the robot again.
 
 mod arguments;
+mod clean;
 mod eval_slam;
 mod files;
 mod input;
@@ -11,6 +12,7 @@ mod report;
 mod summary;
 
 pub use arguments::{DriveArguments, LocaliseArguments, MapArguments, SlamArguments};
+pub use clean::{CleanArguments, run as clean_map};
 pub use eval_slam::run as eval_slam;
 pub use localise::run as localise;
 pub use map::run as map;

@@ -1,13 +1,17 @@
 //! What a finished map is on disk: the files of other people's tools, and how they get there whole.
 
+mod cloud;
 mod files;
 mod folder;
 mod map_server;
 mod picture;
 mod submaps;
+mod top_view;
 
+pub use cloud::{cloud_pcd, cloud_ply};
 pub use files::{OutputFile, map_files};
 pub use folder::{MARKER, ReplaceError, check_place, replace_folder};
 pub use map_server::{pgm, yaml};
 pub use picture::{Picture, draw};
 pub use submaps::{SubMap, SubMapConfig, index_text, sub_maps};
+pub use top_view::{TopView, draw_top_view};

@@ -41,6 +41,8 @@ enum Experiment {
     RgbdPeople,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
+    /// People out of three-dimensional maps: our remover beside others; a trial is a random building.
+    PeopleRemoval,
     /// What a robot learns about people in new places, precision and recall over time; a trial is a minute.
     OnlineLearning,
 }
@@ -56,6 +58,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
         Experiment::Slam => ("slam", 1),
+        Experiment::PeopleRemoval => ("people-removal", 10),
         Experiment::OnlineLearning => ("online-learning", 3),
         // Of fewer rooms the share of legs alone that are right is left to chance: 12 of 17 with 60.
         Experiment::RgbdPeople => ("rgbd-people", 400),

@@ -1,0 +1,15 @@
+//! Three-dimensional maps without people: two passes over a recording, the first for evidence, the second for the verdicts.
+
+mod box_index;
+mod cleaner;
+mod sweep;
+mod thinned;
+mod track;
+mod voxels;
+
+pub use box_index::BoxIndex;
+pub use cleaner::{CleanConfig, CleanCounts, Cleaner};
+pub use sweep::{FAN_RINGS, RawReturn, RawSweep};
+pub use thinned::Thinned;
+pub use track::{Track, TrackError};
+pub use voxels::GrowingVoxels;
