@@ -34,6 +34,7 @@ mod occupancy;
 mod poisson;
 mod rolling;
 pub mod seen_dirt;
+pub mod sliding_window;
 
 pub use dirt_map::{DirtCell, DirtMap, NO_SLOT};
 pub use dirt_rate::{DirtRate, RunObservation, attribute_hits, observed_share};
