@@ -9,10 +9,13 @@ use super::clearing::SweptWedge;
 use super::compensation::{Rigid, is_finite};
 use super::error::ScanError;
 use super::face::Face;
-use super::fusion::{ScanPoint, fuse};
+use super::fusion::{Reach, ScanPoint, fuse};
 use super::lidar::{ColumnScan, for_each_point};
 use super::motor::MotorTrack;
 use super::window::{CellPolicy, SlidingWindow};
+
+/// The floor is this thick, metres: noise of the lidar where it looks down. What lies deeper is no floor.
+const FLOOR_NOISE_M: f32 = 0.05;
 
 /// What became of a scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -111,7 +114,11 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     /// Masks, fuses and writes the points of the scan.
     fn write_points(&mut self, stamp: Stamp) -> Inserted {
         self.mask(stamp);
-        fuse(&mut self.points, self.geometry.resolution_m());
+        let reach = match self.options.policy {
+            CellPolicy::Compat => Reach::OfMean(self.geometry.resolution_m()),
+            CellPolicy::Nearest => Reach::OfFirst(self.geometry.resolution_m()),
+        };
+        fuse(&mut self.points, reach);
         let tick = tick_of(stamp);
         let mut inserted = Inserted::default();
         if self.options.policy == CellPolicy::Nearest {
@@ -148,7 +155,10 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     fn target(&self, place: usize, tick: u16) -> Option<Target> {
         let ScanPoint { point, is_person } = *self.points.get(place)?;
         let face = Face::of_direction(point.x_m, point.y_m)?;
-        let seen = face.project(point);
+        let mut seen = face.project(point);
+        if (-FLOOR_NOISE_M..0.0).contains(&seen.up_m) {
+            seen.up_m = 0.0;
+        }
         let slot = self.geometry.slot(seen)?;
         let content = if is_person { CellContent::Person } else { CellContent::Surface };
         let elevation = kept_elevation(seen.elevation_m)?;

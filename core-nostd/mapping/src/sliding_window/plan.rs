@@ -128,11 +128,13 @@ impl<S: AsRef<[PlanCell]> + AsMut<[PlanCell]>> Plan<S> {
         if !is_finite(window_in_map) {
             return change;
         }
-        change.cleared = self.clear_seen(&SightPolygon::of(window, limits), window_in_map, swept);
+        let polygon = SightPolygon::of(window, limits);
+        change.cleared = self.clear_seen(&polygon, window_in_map, swept);
         let map_from_window = Rigid::of(window_in_map);
-        // Floor first: what stands in the same cell must stay.
+        // Floor first: what stands in the same cell must stay. Floor below what is too low for the robot is not free.
         let is_floor = |one: &WindowPoint| one.point.z_m < limits.floor_max_m;
-        for one in window.points().filter(is_floor) {
+        let is_open = |one: &WindowPoint| !polygon.is_behind(Point2::new(one.point.x_m, one.point.y_m));
+        for one in window.points().filter(is_floor).filter(is_open) {
             let is_now = swept.contains(libm::atan2f(one.point.y_m, one.point.x_m));
             if let Some(cell) = self.cell_of(map_from_window, &one)
                 && one.content == CellContent::Surface
@@ -202,3 +204,7 @@ impl PlanCell {
         is_on_floor
     }
 }
+
+#[cfg(test)]
+#[path = "plan_tests.rs"]
+mod tests;

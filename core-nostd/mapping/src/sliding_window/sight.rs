@@ -117,6 +117,14 @@ impl SightPolygon {
         edge_x * y - edge_y * x > 0.0
     }
 
+    /// Whether something blocks nearer in the direction of a place of the window's frame.
+    #[must_use]
+    pub fn is_behind(&self, point: Point2) -> bool {
+        let azimuth_rad = wrap_angle(libm::atan2f(point.y_m, point.x_m));
+        let nearest = saturating_usize(libm::roundf((azimuth_rad - FIRST_RAD) / STEP_RAD));
+        self.ranges_m.get(nearest).is_some_and(|range_m| point.norm() > *range_m)
+    }
+
     /// The first corner from a bearing on, within the widest gap.
     fn corner_from(&self, start: usize, upwards: bool) -> Option<Corner> {
         (0..=self.gap_max.min(SIGHT_BEARINGS)).find_map(|step| {

@@ -218,3 +218,7 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "window_tests.rs"]
+mod tests;

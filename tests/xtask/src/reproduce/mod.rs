@@ -39,6 +39,8 @@ enum Experiment {
     Dirt,
     /// People in depth pictures of simulated rooms, both profiles.
     RgbdPeople,
+    /// Surfaces around the robot from a lidar on its side that a motor turns: Tables 1 and 2, four experiments, drift.
+    SlidingWindow,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
     /// What a robot learns about people in new places, precision and recall over time; a trial is a minute.
@@ -55,6 +57,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Candidates => ("candidates", 30),
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
+        Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
         Experiment::OnlineLearning => ("online-learning", 3),
         // Of fewer rooms the share of legs alone that are right is left to chance: 12 of 17 with 60.
