@@ -21,4 +21,5 @@ mod people_online;
 mod people_svm;
 mod people_synthetic;
 mod rgbd_people;
+mod sliding_window;
 mod tracking_metrics;

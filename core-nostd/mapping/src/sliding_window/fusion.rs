@@ -116,7 +116,7 @@ mod tests {
     /// A wall of points a centimetre apart, cells of 5 cm.
     #[test]
     fn the_reach_decides_how_many_stay() {
-        for (reach, expected) in [(Reach::OfFirst(0.05), 20..=25), (Reach::OfMean(0.05), 10..=12)] {
+        for (reach, expected) in [(Reach::OfFirst(0.05), 17..=25), (Reach::OfMean(0.05), 10..=12)] {
             let mut points = ScanPoints::new();
             for step in 0..100_u16 {
                 points.push(at(0.01 * f32::from(step), false)).unwrap();

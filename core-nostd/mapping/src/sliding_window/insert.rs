@@ -120,12 +120,15 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         };
         fuse(&mut self.points, reach);
         let tick = tick_of(stamp);
+        let cell_steps = kept_elevation(self.geometry.resolution_m()).unwrap_or(0);
         let mut inserted = Inserted::default();
         if self.options.policy == CellPolicy::Nearest {
-            // What an earlier scan left in the cells of this one does not count.
+            // The newest reading of a surface replaces the older ones. A surface nearer than it by more than a cell stays:
+            // rays of other directions pass the same cell behind it.
             for place in 0..self.points.len().min(WINDOW_BEAMS_MAX) {
                 if let Some(target) = self.target(place, tick)
                     && let Some(cell) = self.cells_mut(target.face).get_mut(target.index)
+                    && cell.elevation.saturating_add(cell_steps) >= target.cell.elevation
                 {
                     cell.content = CellContent::Empty;
                 }

@@ -1,4 +1,6 @@
-use super::super::{CellPolicy, OccupancyScale, PersonBox, PersonBoxes, SlidingWindow, WindowGeometry, WindowOptions};
+use super::super::{
+    CellPolicy, OccupancyScale, PersonBox, PersonBoxes, SlidingWindow, WindowGeometry, WindowOptions,
+};
 use super::*;
 use floorguard_types::geometry::Point3;
 use std::vec;
@@ -35,6 +37,7 @@ fn heights_enter_floor_or_ceiling() {
         Point3::new(1.5, 0.1, 0.75),
         Point3::new(1.52, 0.12, 2.0),
         Point3::new(2.1, 0.1, 0.02),
+        Point3::new(2.1, 1.1, 0.02),
     ];
     window.insert_points(&points, Pose2::default(), Stamp::ZERO).unwrap();
     plan.enter((&window, Pose2::default()), SweptWedge::ALL, (&LIMITS, Stamp::ZERO));
@@ -42,7 +45,8 @@ fn heights_enter_floor_or_ceiling() {
     assert!((seen.floor_m().unwrap() - 0.5).abs() < 1e-3 && seen.ceiling_m().is_none(), "the highest");
     let seen = cell(&plan, 1.5, 0.1);
     assert!(seen.floor_m().is_none() && (seen.ceiling_m().unwrap() - 0.75).abs() < 1e-3, "the lowest");
-    assert_eq!(cell(&plan, 2.1, 0.1).floor_m(), Some(0.0));
+    assert_eq!(cell(&plan, 2.1, 1.1).floor_m(), Some(0.0));
+    assert_eq!(cell(&plan, 2.1, 0.1).floor_m(), None, "floor below what hangs too low");
     assert_eq!(cell(&plan, -1.0, 0.0), PlanCell::UNKNOWN);
 }
 

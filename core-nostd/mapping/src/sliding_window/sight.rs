@@ -11,13 +11,14 @@ use floorguard_types::number::{nearest_f32, saturating_usize};
 
 use super::capacities::SIGHT_BEARINGS;
 use super::cell::{CellContent, WindowCell};
+use super::face::FacePoint;
 use super::window::SlidingWindow;
 
 /// The first bearing and the step from one to the next, radians: half a degree from −112.5°.
 const FIRST_RAD: f32 = -1.963_495_4;
 const STEP_RAD: f32 = 0.008_726_646;
-/// Half of the bearings that one cell may cover: a cell of 0.5 m at 0.3 m covers 80°.
-const HALF_COVER_MAX: usize = 96;
+/// Bearings that one cell may cover: all of a half plane.
+const COVER_MAX: usize = 360;
 
 /// Which cells block the sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,21 +65,25 @@ impl SightPolygon {
         let half_m = 0.5 * window.geometry().resolution_m();
         let blocking = window.points().filter(|one| limits.blocks(one.point.z_m));
         for one in blocking.filter(|one| one.content == CellContent::Surface) {
-            polygon.enter(Point2::new(one.point.x_m, one.point.y_m), half_m);
+            let seen = one.face.project(one.point);
+            let along_m = window.geometry().centre(one.index).along_m;
+            let end = |side_m: f32| {
+                let end = one.face.point(FacePoint { along_m: along_m + side_m, ..seen });
+                libm::atan2f(end.y_m, end.x_m)
+            };
+            let range_m = Point2::new(one.point.x_m, one.point.y_m).norm();
+            polygon.enter(range_m, end(-half_m), end(half_m));
         }
         polygon
     }
 
-    /// A blocking cell covers the bearings of its width.
-    fn enter(&mut self, point: Point2, half_m: f32) {
-        let range_m = point.norm();
-        let azimuth_rad = libm::atan2f(point.y_m, point.x_m);
-        let half_rad = libm::atanf(half_m / range_m.max(half_m));
-        let middle = (azimuth_rad - FIRST_RAD) / STEP_RAD;
-        let cover = half_rad / STEP_RAD;
-        let first = saturating_usize(libm::roundf(middle - cover));
-        let last = saturating_usize(libm::roundf(middle + cover));
-        for bearing in (first..=last).take(2 * HALF_COVER_MAX) {
+    /// A blocking cell covers the bearings of its width, from its right end to its left end, so that cells beside each other
+    /// leave no gap.
+    fn enter(&mut self, range_m: f32, right_rad: f32, left_rad: f32) {
+        let bearing_of =
+            |azimuth_rad: f32| saturating_usize(libm::roundf((azimuth_rad - FIRST_RAD) / STEP_RAD));
+        let (first, last) = (bearing_of(right_rad), bearing_of(left_rad));
+        for bearing in (first..=last).take(COVER_MAX) {
             if let Some(nearest_m) = self.ranges_m.get_mut(bearing) {
                 *nearest_m = nearest_m.min(range_m);
             }

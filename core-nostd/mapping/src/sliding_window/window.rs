@@ -19,7 +19,8 @@ pub enum CellPolicy {
     /// The last one that was written, within a scan (upwards) and across scans: as published. The upper edge of an object
     /// then shows what lies behind it.
     Compat,
-    /// The nearest one of the newest scan: for obstacles.
+    /// The nearest one: for obstacles. A newer reading replaces it that is at most one cell farther; what is farther only shows
+    /// once the nearer surface was seen through.
     Nearest,
 }
 

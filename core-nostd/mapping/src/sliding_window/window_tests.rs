@@ -1,7 +1,7 @@
 use super::super::cell::CellContent;
 use super::super::{
-    BoxError, CellPolicy, ColumnScan, MotorSample, MotorTrack, PersonBox, PersonBoxes, ScanError, SlidingWindow,
-    WindowCell, WindowGeometry, WindowOptions,
+    BoxError, CellPolicy, ColumnScan, MotorSample, MotorTrack, PersonBox, PersonBoxes, ScanError,
+    SlidingWindow, WindowCell, WindowGeometry, WindowOptions,
 };
 use floorguard_types::geometry::{Point3, Pose2};
 use floorguard_types::sensing::BeamReturn;
@@ -198,11 +198,15 @@ fn policies_differ_behind_an_edge() {
     };
     assert_eq!(value(CellPolicy::Compat, &[near, far]), (1, 1_300.0));
     assert_eq!(value(CellPolicy::Nearest, &[near, far]), (1, 1_000.0));
-    // The nearest of the newest scan, not of all scans.
+    // A newer scan: the same surface is measured anew, and one behind it does not hide it.
     let mut window = window(CellPolicy::Nearest);
-    window.insert_points(&[near], Pose2::default(), Stamp::ZERO).unwrap();
-    window.insert_points(&[far], Pose2::default(), Stamp::from_micros(100_000)).unwrap();
-    assert!((window.points().next().unwrap().point.x_m - 1.3).abs() < 1e-4);
+    for (scan, (x_m, expected_m)) in
+        [(1.0, 1.0), (1.04, 1.04), (1.3, 1.04), (0.8, 0.8)].into_iter().enumerate()
+    {
+        let stamp = Stamp::from_micros(100_000 * scan as u64);
+        window.insert_points(&[Point3 { x_m, ..near }], Pose2::default(), stamp).unwrap();
+        assert!((window.points().next().unwrap().point.x_m - expected_m).abs() < 1e-4, "scan {scan}");
+    }
 }
 
 proptest! {

@@ -70,7 +70,8 @@ pub fn accuracy(trials: u64, read: impl Fn(WindowPoint) -> WindowPoint) -> anyho
         let mut spreads = vec![Vec::new(); 6];
         for seed in 0..trials * SWEEPS {
             let kinds = POLICIES.into_iter().flat_map(|policy| RESOLUTIONS.map(|r| (policy, r)));
-            let mut windows: Vec<Window> = kinds.map(|(policy, r)| window(r, policy)).collect::<Result<_, _>>()?;
+            let mut windows: Vec<Window> =
+                kinds.map(|(policy, r)| window(r, policy)).collect::<Result<_, _>>()?;
             sweep(&mut windows, (distance, 0.0), 1_000 * (column as u64 + 1) + seed);
             for (number, window) in windows.iter().enumerate() {
                 let points: Vec<WindowPoint> = window.points().map(&read).collect();
@@ -155,7 +156,11 @@ impl Accuracy {
             let name = format!("{face:?}").to_lowercase();
             let _infallible = writeln!(text, "{name:<6} {} {}", cell(published), cell(found));
         }
-        let _infallible = writeln!(text, "cells of the box that a sweep fills at 5 and 10 cm, nearest: {:.1} % at least", 100.0 * self.filled);
+        let _infallible = writeln!(
+            text,
+            "cells of the box that a sweep fills at 5 and 10 cm, nearest: {:.1} % at least",
+            100.0 * self.filled
+        );
         text
     }
 

@@ -61,7 +61,8 @@ pub fn drift(read: impl Fn(WindowPoint) -> WindowPoint) -> anyhow::Result<Drift>
             window.follow(stand(f64::from(step) / f64::from(STEPS)).pose());
         }
         let frame = window.frame_in_odometry();
-        let frame = Stand { x: f64::from(frame.x_m), y: f64::from(frame.y_m), heading: f64::from(frame.heading_rad) };
+        let frame =
+            Stand { x: f64::from(frame.x_m), y: f64::from(frame.y_m), heading: f64::from(frame.heading_rad) };
         let found: Vec<[f64; 3]> = window
             .points()
             .map(&read)
@@ -69,9 +70,8 @@ pub fn drift(read: impl Fn(WindowPoint) -> WindowPoint) -> anyhow::Result<Drift>
             .collect();
         for truth in landmarks() {
             let truth = stand(0.0).place(truth);
-            let apart = |place: &[f64; 3]| {
-                (0..3).map(|axis| (place[axis] - truth[axis]).powi(2)).sum::<f64>().sqrt()
-            };
+            let apart =
+                |place: &[f64; 3]| (0..3).map(|axis| (place[axis] - truth[axis]).powi(2)).sum::<f64>().sqrt();
             *worst = worst.max(found.iter().map(apart).fold(f64::INFINITY, f64::min));
         }
     }
@@ -88,7 +88,8 @@ impl Drift {
     /// A line an edge.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = format!("Drift: {DISTANCE} m and ten revolutions without a scan, at most half a cell.\n");
+        let mut text =
+            format!("Drift: {DISTANCE} m and ten revolutions without a scan, at most half a cell.\n");
         for (worst, resolution) in self.worst.iter().zip(RESOLUTIONS) {
             let _infallible =
                 writeln!(text, "cells of {:>4.1} cm: {:.2} cm", 100.0 * resolution, 100.0 * worst);

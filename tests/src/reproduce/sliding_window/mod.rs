@@ -35,8 +35,8 @@ pub type Window = SlidingWindow<Vec<WindowCell>>;
 /// # Errors
 /// An edge that no window has.
 pub fn window(resolution: f64, policy: CellPolicy) -> anyhow::Result<Window> {
-    let geometry = WindowGeometry::of_resolution(resolution as f32)
-        .ok_or_else(|| anyhow!("cells of {resolution} m"))?;
+    let geometry =
+        WindowGeometry::of_resolution(resolution as f32).ok_or_else(|| anyhow!("cells of {resolution} m"))?;
     let buffers = [0, 1].map(|_| vec![WindowCell::EMPTY; geometry.cells()]);
     Ok(SlidingWindow::new(geometry, WindowOptions::published(policy), buffers)?)
 }
@@ -58,7 +58,7 @@ pub fn sliding_window(trials: u64, folder: &Path) -> anyhow::Result<(String, boo
     let tables = accuracy(trials, |point| point)?;
     tables.draw(folder)?;
     add((tables.text(), tables.holds()));
-    let rooms = reconstruction()?;
+    let rooms = reconstruction(CellPolicy::Nearest)?;
     rooms.draw(folder)?;
     add((rooms.text(), rooms.holds()));
     let drive = navigation(true)?;

@@ -98,7 +98,8 @@ pub fn navigation(follows: bool) -> anyhow::Result<Navigation> {
         }
     }
     let frame = window.frame_in_odometry();
-    let end = Stand { x: f64::from(frame.x_m), y: f64::from(frame.y_m), heading: f64::from(frame.heading_rad) };
+    let end =
+        Stand { x: f64::from(frame.x_m), y: f64::from(frame.y_m), heading: f64::from(frame.heading_rad) };
     let end = if follows { end } else { stand(duration()) };
     let points: Vec<WindowPoint> = window.points().collect();
     let accurate = accurate_share(&points, &scene, (end, TOLERANCE));
@@ -113,8 +114,7 @@ fn judged(plan: Plan<Vec<PlanCell>>, scene: &Scene, (accurate, now): (f64, Stamp
     for (index, percent) in percents.iter().enumerate() {
         let middle = geometry.centre(index);
         let place = [f64::from(middle.x_m), f64::from(middle.y_m), 0.4];
-        let from_wall =
-            scene.solids.iter().map(|solid| solid.distance(place)).fold(f64::INFINITY, f64::min);
+        let from_wall = scene.solids.iter().map(|solid| solid.distance(place)).fold(f64::INFINITY, f64::min);
         let is_in_wall = scene.solids.iter().any(|solid| {
             let Solid::Box { low, high } = solid else { return false };
             (0..2).all(|axis| (low[axis]..=high[axis]).contains(&place[axis]))
@@ -170,9 +170,12 @@ impl Navigation {
     /// # Errors
     /// A file that cannot be written.
     pub fn draw(&self, folder: &Path) -> anyhow::Result<()> {
-        let line: Vec<(f64, f64)> =
-            (0..(duration() * 5.0) as u32).map(|step| stand(f64::from(step) * 0.2)).map(|at| (at.x, at.y)).collect();
-        let near = |one: &super::picture::Square| (-3.0..5.0).contains(&one.x) && (-2.0..6.0).contains(&one.y);
+        let line: Vec<(f64, f64)> = (0..(duration() * 5.0) as u32)
+            .map(|step| stand(f64::from(step) * 0.2))
+            .map(|at| (at.x, at.y))
+            .collect();
+        let near =
+            |one: &super::picture::Square| (-3.0..5.0).contains(&one.x) && (-2.0..6.0).contains(&one.y);
         let squares: Vec<_> = plan_squares(&self.plan, Stamp::ZERO).into_iter().filter(near).collect();
         draw(&folder.join("navigation.svg"), "the floor after the drive around the corner", &squares, &line)
     }

@@ -291,8 +291,10 @@ impl Arrows {
                 .arrows
                 .iter()
                 .flat_map(|arrow| {
-                    let (x, y) =
-                        (f64::from(arrow.position_in_odometry.x_m), f64::from(arrow.position_in_odometry.y_m));
+                    let (x, y) = (
+                        f64::from(arrow.position_in_odometry.x_m),
+                        f64::from(arrow.position_in_odometry.y_m),
+                    );
                     let tip = (x + f64::from(arrow.velocity_x_mps), y + f64::from(arrow.velocity_y_mps));
                     [(x, y), tip, (x, y)]
                 })
@@ -303,8 +305,12 @@ impl Arrows {
                 edge: 0.1,
                 colour: plotters::style::RGBColor(220, 40, 60),
             };
-            let robot =
-                super::picture::Square { x: 0.0, y: 0.0, edge: 0.3, colour: plotters::style::RGBColor(90, 90, 90) };
+            let robot = super::picture::Square {
+                x: 0.0,
+                y: 0.0,
+                edge: 0.3,
+                colour: plotters::style::RGBColor(90, 90, 90),
+            };
             let squares: Vec<_> = walk.arrows.iter().map(body).chain([robot]).collect();
             let path = folder.join(format!("arrow_{}.svg", walk.name.replace(' ', "_")));
             draw(&path, &format!("a person {}, seen from above", walk.name), &squares, &line)?;

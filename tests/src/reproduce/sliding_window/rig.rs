@@ -182,7 +182,11 @@ impl Noise {
         let Some(range) = range else { return BeamReturn::Unknown };
         let sigma = if range <= 1.0 { NEAR_SIGMA } else { FAR_SIGMA * range };
         let noisy = range + sigma * self.normal();
-        if RANGE.contains(&noisy) { BeamReturn::Hit((1_000.0 * noisy).round() as u16) } else { BeamReturn::Unknown }
+        if RANGE.contains(&noisy) {
+            BeamReturn::Hit((1_000.0 * noisy).round() as u16)
+        } else {
+            BeamReturn::Unknown
+        }
     }
 }
 

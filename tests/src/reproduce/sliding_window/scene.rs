@@ -130,9 +130,8 @@ fn hit_cylinder(ray: &Ray, (middle, radius): ([f64; 2], f64), heights: [f64; 2])
     let side = (a > 1e-12 && root >= 0.0).then(|| (-b - root.sqrt()) / a);
     let side = side.filter(|along| *along > 0.0 && is_high(*along));
     let caps = heights.map(|end| (end - ray.origin[2]) / ray.direction[2]);
-    let on_cap = |along: &f64| {
-        *along > 0.0 && along.is_finite() && (x + along * dx).hypot(y + along * dy) <= radius
-    };
+    let on_cap =
+        |along: &f64| *along > 0.0 && along.is_finite() && (x + along * dx).hypot(y + along * dy) <= radius;
     caps.into_iter().filter(on_cap).chain(side).min_by(f64::total_cmp)
 }
 

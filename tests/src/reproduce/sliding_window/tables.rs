@@ -98,7 +98,8 @@ pub fn is_as_published(table: &Table) -> bool {
     let near = |(row, published): (&[Spread; 2], &[Spread; 2])| {
         row.iter().zip(published).all(|(one, published)| (one.mean - published.mean).abs() <= TOLERANCE)
     };
-    let grows = |distance: usize| table.windows(2).all(|rows| rows[0][distance].mean < rows[1][distance].mean);
+    let grows =
+        |distance: usize| table.windows(2).all(|rows| rows[0][distance].mean < rows[1][distance].mean);
     table.iter().zip(&TABLE_ONE).all(near) && grows(0) && grows(1)
 }
 
@@ -119,9 +120,9 @@ pub fn is_alike(sides: &[Spread; 3]) -> bool {
 pub fn is_half_of_published(table: &Table) -> bool {
     let halved = |(row, published): (&[Spread; 2], &[Spread; 2])| {
         let errors = row.iter().zip(published).zip(DISTANCES);
-        errors
-            .into_iter()
-            .all(|((one, published), truth)| (one.mean - truth).abs() <= NEAREST_PART * (published.mean - truth))
+        errors.into_iter().all(|((one, published), truth)| {
+            (one.mean - truth).abs() <= NEAREST_PART * (published.mean - truth)
+        })
     };
     table.iter().zip(&TABLE_ONE).all(halved)
 }
