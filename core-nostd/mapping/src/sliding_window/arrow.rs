@@ -1,6 +1,6 @@
 //! Where people walk: positions of a person in two different sweeps.
 //!
-//! The published arrow takes two readings that follow each other (Dalmedico et al. 2019, section 6). Readings of
+//! The published arrow takes two readings that follow each other (Dalmedico et al. 2019). Readings of
 //! neighbouring columns lie on different parts of the body, so that their difference shows the sweep and not the person:
 //! here all returns of one sweep make one sighting, and two sightings of different sweeps make an arrow.
 

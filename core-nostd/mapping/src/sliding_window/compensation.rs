@@ -1,8 +1,7 @@
 //! The window moves with the robot.
 //!
 //! Every cell that is not empty is moved as a point: its elevation to an eighth of a millimetre, its place within the cell to
-//! a 254th of the edge. Moving cell centres instead would add up to half a cell with each movement (the published window
-//! does). The frame always becomes the robot's pose itself, so that what the threshold leaves over never adds up.
+//! a 254th of the edge. Moving cell centres instead would add up to half a cell with each movement. The frame always becomes the robot's pose itself, so that what the threshold leaves over never adds up.
 
 use floorguard_types::geometry::{Point2, Point3, Pose2, wrap_angle};
 

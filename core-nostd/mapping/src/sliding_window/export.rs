@@ -26,7 +26,7 @@ pub enum OccupancyScale {
         /// Metres.
         upper_m: f32,
     },
-    /// 100 above a step that the robot cannot climb, else 0 (Dalmedico et al. 2019, section 5: maximum elevation step).
+    /// 100 above a step that the robot cannot climb, else 0 (Dalmedico et al. 2019: maximum elevation step).
     Step {
         /// Metres.
         step_m: f32,

@@ -1,4 +1,4 @@
-//! Neighbouring returns of one scan become one point (Dalmedico et al. 2019, section 4).
+//! Neighbouring returns of one scan become one point (Dalmedico et al. 2019).
 
 use floorguard_types::geometry::Point3;
 use floorguard_types::number::nearest_f32;

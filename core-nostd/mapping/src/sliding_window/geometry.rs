@@ -44,7 +44,7 @@ pub(super) struct Slot {
 }
 
 impl WindowGeometry {
-    /// The window as published: 6.2 m wide, 2.4 m high (Dalmedico et al. 2019, section 4; the width follows from the range of
+    /// The window as published: 6.2 m wide, 2.4 m high (Dalmedico et al. 2019; the width follows from the range of
     /// the lidar). `None` for an edge outside 0.01…0.5 m.
     #[must_use]
     pub fn of_resolution(resolution_m: f32) -> Option<Self> {

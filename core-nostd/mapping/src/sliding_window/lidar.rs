@@ -3,7 +3,7 @@
 //!
 //! Point of beam k in the frame of the axis, with elevation ε = ε₀ + k·Δε, range ρ, lever arm a and tilt τ of the scan
 //! plane: (a + ρ·cos ε, −ρ·sin ε·sin τ, ρ·sin ε·cos τ), then turned by the motor's angle at the time of the beam
-//! (Dalmedico et al. 2019, section 3).
+//! (Dalmedico et al. 2019).
 
 use floorguard_types::geometry::{Point3, Pose2};
 use floorguard_types::number::{nearest_f32, saturating_u64};
@@ -40,7 +40,7 @@ pub struct LidarMount {
 
 impl LidarMount {
     /// The published sensor: 0.57 m above the floor, over the robot's centre, a Hokuyo URG-04LX with 20 mm to 4 m
-    /// (Dalmedico et al. 2019, section 3).
+    /// (Dalmedico et al. 2019).
     pub const PUBLISHED: Self = Self {
         axis_x_m: 0.0,
         axis_y_m: 0.0,

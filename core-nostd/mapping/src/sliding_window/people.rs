@@ -1,7 +1,7 @@
 //! Boxes of people in the panoramic picture erase what the window holds of them, and mask what would be inserted.
 //!
 //! A surface within a box becomes a person's place: it is no surface any more, it shows on the debug layer, and the map of
-//! the floor keeps it blocked until it expires (Dalmedico et al. 2019, section 4). Until the next picture new points within
+//! the floor keeps it blocked until it expires (Dalmedico et al. 2019). Until the next picture new points within
 //! the box mark places as well and are not inserted as surfaces.
 
 use floorguard_types::geometry::{Point2, Point3, Pose2, wrap_angle};

@@ -1,6 +1,6 @@
 //! Memory around the robot, seen from above: heights on the floor, and what hangs from the ceiling.
 //!
-//! Two horizontal grids in the map's frame (Dalmedico et al. 2019, section 5): what is not higher than a threshold stands on
+//! Two horizontal grids in the map's frame (Dalmedico et al. 2019): what is not higher than a threshold stands on
 //! the floor, and the highest counts; the rest hangs from the ceiling, and the lowest counts. Before cells of the window
 //! enter, the floor is cleared where the sight polygon shows it free. Places of people block until they expire.
 
@@ -15,7 +15,7 @@ use super::sight::{SightLimits, SightPolygon};
 use super::window::{SlidingWindow, WindowPoint};
 use crate::{Grid, GridCoordinates, GridGeometry, GridShift, GridTooSmall};
 
-/// Edge of a cell, metres (Dalmedico et al. 2019, section 5).
+/// Edge of a cell, metres (Dalmedico et al. 2019).
 pub const PLAN_RESOLUTION_M: f32 = 0.2;
 /// The window reaches this far at most, metres: a corner of a lateral grid.
 const REACH_M: f32 = 5.2;

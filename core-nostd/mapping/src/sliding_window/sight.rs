@@ -1,7 +1,7 @@
 //! What can be seen from the robot over the floor: a polygon around it, star-shaped.
 //!
 //! The published polygon has the robot's centre and the nearest blocking cell of each column as corners (Dalmedico et al.
-//! 2019, section 5). Columns of a flat grid do not follow each other in direction where depths differ, so here the
+//! 2019). Columns of a flat grid do not follow each other in direction where depths differ, so here the
 //! corners are kept by direction, half a degree each: the polygon is star-shaped, and whether a place lies inside takes one
 //! arc tangent and one cross product. Directions without a blocking cell have no corner. As published, an edge joins the
 //! corners on either side of them, but only as far as [`SightLimits::gap_max`]: a wider gap was not seen closed.
@@ -25,7 +25,7 @@ const COVER_MAX: usize = 360;
 pub struct SightLimits {
     /// Lower cells are floor, metres.
     pub floor_max_m: f32,
-    /// Higher cells hang over the robot, metres: 0.6 drives under tables, 1.0 does not (Dalmedico et al. 2019, section 5).
+    /// Higher cells hang over the robot, metres: 0.6 drives under tables, 1.0 does not (Dalmedico et al. 2019).
     pub threshold_m: f32,
     /// Directions without a corner that an edge may pass, bearings of half a degree.
     pub gap_max: usize,

@@ -76,7 +76,7 @@ pub struct WindowPoint {
     pub point: Point3,
 }
 
-/// Local map of surfaces around the robot (Dalmedico et al. 2019, section 4). It moves with the robot: [`Self::follow`].
+/// Local map of surfaces around the robot (Dalmedico et al. 2019). It moves with the robot: [`Self::follow`].
 ///
 /// The frame of the window is that of the robot's base at [`Self::frame_in_odometry`], which is less than half a cell and 1°
 /// behind the robot. Storage is handed in: two buffers of [`WindowGeometry::cells`] cells.

@@ -75,7 +75,7 @@ fn stand(seconds: f64) -> Stand {
     Stand { x: SPEED * first, y: SPEED * second, heading: TURN * turning }
 }
 
-/// Drives around the corner. Without `follows` the window is told that the robot stands still: what the judges must refuse.
+/// Drives around the corner. Without `follows` the window gets poses of a robot that stands still: what the judges must refuse.
 ///
 /// # Errors
 /// A scan that the window refuses: none in practice.
