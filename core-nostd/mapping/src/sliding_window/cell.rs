@@ -74,7 +74,8 @@ pub(super) fn tick_of(stamp: Stamp) -> u16 {
 }
 
 /// An elevation as a cell keeps it; `None` below zero, beyond 8.19 m and for NaN.
+#[inline]
 pub(super) fn kept_elevation(elevation_m: f32) -> Option<u16> {
     let is_inside = (0.0..=ELEVATION_MAX_M).contains(&elevation_m);
-    is_inside.then(|| saturating_u16(libm::roundf(elevation_m * STEPS_PER_METRE)))
+    is_inside.then(|| saturating_u16(elevation_m * STEPS_PER_METRE + 0.5))
 }

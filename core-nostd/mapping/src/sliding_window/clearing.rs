@@ -5,9 +5,10 @@
 //! No return is no evidence, and neither is a return before the cell, or a gap between the scans that is wider than
 //! objects may be.
 
-use floorguard_types::geometry::wrap_angle;
+use floorguard_types::geometry::{Point2, Point3, wrap_angle};
 use floorguard_types::number::exact_usize;
 use floorguard_types::time::{Age, Stamp};
+use heapless::Vec;
 
 use super::cell::{CellContent, WindowCell};
 use super::compensation::Rigid;
@@ -23,6 +24,10 @@ const SWEEP_MAX_RAD: f32 = 0.174_533;
 const GAP_CELLS: f32 = 4.0;
 /// Half of a grid's sector and some more, radians: 40°.
 const SECTOR_RAD: f32 = 0.698;
+/// The wedge is widened by this for the search, radians: the robot moved between the scans.
+const EDGE_RAD: f32 = 0.02;
+/// Cells of one row that a wedge of 10° may empty at once.
+const GONE_MAX: usize = 64;
 
 /// Directions from the robot's centre in the window's frame that were swept: from the right one to the left one, radians.
 /// Invariant: `from_rad` ≤ `to_rad`; `to_rad` may exceed π.
@@ -73,21 +78,20 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     }
 
     /// Empties what both scans see through, and places of people without a box. Returns how many cells. Cost: one pass over
-    /// the columns that the wedge touches, about a quarter of a grid.
+    /// the columns that the wedge touches, about a quarter of a grid; four arc tangents for each cell within the wedge.
     pub(super) fn clear_swept(&mut self, wedge: SweptWedge, now: Stamp) -> u32 {
         if !self.options.clears_swept {
             return 0;
         }
+        let edges = self.edges_of(wedge);
+        let odometry_from_window = Rigid::of(self.frame_in_odometry());
         let mut cleared = 0_u32;
         for face in Face::ALL {
             let Some(range) = self.columns_of(face, wedge) else { continue };
             for row in 0..self.geometry.rows().min(SIDE_MAX) {
-                let start = row.saturating_mul(self.geometry.columns());
-                for column in (range.first..range.end).take(SIDE_MAX) {
-                    let index = start.saturating_add(column);
-                    if self.is_seen_through((face, index), now)
-                        && let Some(cell) = self.cells_mut(face).get_mut(index)
-                    {
+                let gone = self.gone_in_row((face, row, &range), &edges, (&odometry_from_window, now));
+                for index in &gone {
+                    if let Some(cell) = self.cells_mut(face).get_mut(*index) {
                         *cell = WindowCell::EMPTY;
                         cleared = cleared.saturating_add(1);
                     }
@@ -96,6 +100,41 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         }
         self.counters.cells_cleared = self.counters.cells_cleared.saturating_add(cleared);
         cleared
+    }
+
+    /// Both ends of the wedge around the lidar's axis.
+    fn edges_of(&self, wedge: SweptWedge) -> Edges {
+        let (right_sin, right_cos) = libm::sincosf(wedge.from_rad - EDGE_RAD);
+        let (left_sin, left_cos) = libm::sincosf(wedge.to_rad + EDGE_RAD);
+        let axis = Rigid::of(self.frame_in_odometry().inverse()).transform_flat(self.newest.axis());
+        Edges { axis, right: Point2::new(right_cos, right_sin), left: Point2::new(left_cos, left_sin) }
+    }
+
+    /// Cells of a row that both scans pass and that are not there any more; at most 64, others wait for the next sweep.
+    fn gone_in_row(
+        &self,
+        (face, row, range): (Face, usize, &ColumnRange),
+        edges: &Edges,
+        (odometry_from_window, now): (&Rigid, Stamp),
+    ) -> Vec<usize, GONE_MAX> {
+        let mut gone = Vec::new();
+        let start = row.saturating_mul(self.geometry.columns());
+        let ends = start.saturating_add(range.first)..start.saturating_add(range.end);
+        let cells = self.cells(face).get(ends).unwrap_or(&[]);
+        for (number, cell) in cells.iter().enumerate() {
+            if cell.content == CellContent::Empty {
+                continue;
+            }
+            let index = start.saturating_add(range.first).saturating_add(number);
+            let in_window = face.point(self.geometry.place(index, cell));
+            if edges.contain(in_window)
+                && self.is_seen_through((cell, in_window), odometry_from_window.transform(in_window), now)
+            {
+                // Full: the rest waits.
+                let _full = gone.push(index);
+            }
+        }
+        gone
     }
 
     fn columns_of(&self, face: Face, wedge: SweptWedge) -> Option<ColumnRange> {
@@ -120,14 +159,14 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     }
 
     /// Both scans pass a cell on either side, and it is not there any more.
-    fn is_seen_through(&self, (face, index): (Face, usize), now: Stamp) -> bool {
-        let Some(cell) = self.cells(face).get(index).filter(|cell| cell.content != CellContent::Empty) else {
-            return false;
-        };
-        let in_window = face.point(self.geometry.place(index, cell));
-        let point = Rigid::of(self.frame_in_odometry()).transform(in_window);
+    fn is_seen_through(
+        &self,
+        (cell, in_window): (&WindowCell, Point3),
+        in_odometry: Point3,
+        now: Stamp,
+    ) -> bool {
         let mount = &self.options.mount;
-        let (before, after) = (self.previous.see(point, mount), self.newest.see(point, mount));
+        let (before, after) = (self.previous.see(in_odometry, mount), self.newest.see(in_odometry, mount));
         let (right_rad, left_rad) = (self.previous.beside_rad(&before), self.newest.beside_rad(&after));
         let is_between = right_rad * left_rad <= 0.0;
         let apart_m = libm::fabsf(right_rad - left_rad) * after.distance_m;
@@ -136,11 +175,25 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
             return false;
         }
         match cell.content {
-            CellContent::Person => !self.is_within_box(in_window, now),
+            CellContent::Person => !self.people.masks(self.box_frame(now), in_window),
             CellContent::Surface | CellContent::Empty => {
                 self.previous.sees_through(&before, resolution_m)
                     && self.newest.sees_through(&after, resolution_m)
             }
         }
+    }
+}
+
+/// A wedge around the lidar's axis in the window's frame.
+struct Edges {
+    axis: Point2,
+    right: Point2,
+    left: Point2,
+}
+
+impl Edges {
+    fn contain(&self, point: Point3) -> bool {
+        let (x, y) = (point.x_m - self.axis.x_m, point.y_m - self.axis.y_m);
+        self.right.x_m * y - self.right.y_m * x >= 0.0 && x * self.left.y_m - y * self.left.x_m >= 0.0
     }
 }

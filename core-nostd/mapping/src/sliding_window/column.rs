@@ -1,6 +1,6 @@
 //! The scan before the newest one: what it saw through, and in which direction.
 
-use floorguard_types::geometry::{Point3, Pose2, wrap_angle};
+use floorguard_types::geometry::{Point2, Point3, Pose2, wrap_angle};
 use floorguard_types::number::{nearest_f32, saturating_u16, saturating_usize};
 use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
@@ -73,6 +73,11 @@ impl Column {
     /// Direction of the middle of the scan in odometry, radians, not wrapped.
     pub(super) fn middle_rad(&self) -> f32 {
         0.5 * (self.first_rad + self.last_rad)
+    }
+
+    /// The axis in odometry.
+    pub(super) const fn axis(&self) -> Point2 {
+        Point2::new(self.axis.x_m, self.axis.y_m)
     }
 
     /// How far the scan is slanted, radians.

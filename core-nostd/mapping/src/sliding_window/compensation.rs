@@ -5,8 +5,8 @@
 
 use floorguard_types::geometry::{Point2, Point3, Pose2, wrap_angle};
 
-use super::cell::{CellContent, WindowCell, kept_elevation};
-use super::face::Face;
+use super::cell::{CellContent, ELEVATION_STEP_M, WindowCell, kept_elevation};
+use super::face::{Face, FacePoint};
 use super::geometry::WindowGeometry;
 use super::window::SlidingWindow;
 
@@ -105,15 +105,25 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         let (used, spare) = self.both_buffers();
         spare.fill(WindowCell::EMPTY);
         let mut movement = Movement::default();
-        let face_cells = geometry.face_cells().max(1);
-        for (face, cells) in Face::ALL.into_iter().zip(used.chunks_exact(face_cells)) {
-            let filled = cells.iter().enumerate().filter(|(_, cell)| cell.content != CellContent::Empty);
-            for (index, cell) in filled {
-                let point = new_from_old.transform(face.point(geometry.place(index, cell)));
-                match put(spare, &geometry, (point, *cell)) {
-                    Put::Written => movement.moved = movement.moved.saturating_add(1),
-                    Put::Merged => movement.merged = movement.merged.saturating_add(1),
-                    Put::Outside => movement.outside = movement.outside.saturating_add(1),
+        let columns = geometry.columns().max(1);
+        for (face, cells) in Face::ALL.into_iter().zip(used.chunks_exact(geometry.face_cells().max(1))) {
+            for (row, cells) in cells.chunks_exact(columns).enumerate() {
+                let row_start = row.saturating_mul(columns);
+                for (column, cell) in cells.iter().enumerate() {
+                    if cell.content == CellContent::Empty {
+                        continue;
+                    }
+                    let seen = FacePoint {
+                        along_m: geometry.along_m(column, cell.along),
+                        up_m: 0.0,
+                        elevation_m: f32::from(cell.elevation) * ELEVATION_STEP_M,
+                    };
+                    let point = new_from_old.transform(face.point(seen));
+                    match put(spare, &geometry, (point, row_start, *cell)) {
+                        Put::Written => movement.moved = movement.moved.saturating_add(1),
+                        Put::Merged => movement.merged = movement.merged.saturating_add(1),
+                        Put::Outside => movement.outside = movement.outside.saturating_add(1),
+                    }
                 }
             }
         }
@@ -130,18 +140,25 @@ enum Put {
     Outside,
 }
 
-/// Writes a moved cell; of two on one place the nearer one stays.
-fn put(cells: &mut [WindowCell], geometry: &WindowGeometry, (point, cell): (Point3, WindowCell)) -> Put {
+/// Writes a moved cell into its row; of two on one place the nearer one stays. The robot moves on the floor: rows stay.
+#[inline]
+fn put(
+    cells: &mut [WindowCell],
+    geometry: &WindowGeometry,
+    (point, row_start, cell): (Point3, usize, WindowCell),
+) -> Put {
     let Some(face) = Face::of_direction(point.x_m, point.y_m) else { return Put::Outside };
     let seen = face.project(point);
-    let (Some(slot), Some(elevation)) = (geometry.slot(seen), kept_elevation(seen.elevation_m)) else {
+    let (Some(column), Some(elevation)) = (geometry.column(seen.along_m), kept_elevation(seen.elevation_m))
+    else {
         return Put::Outside;
     };
-    let index = face.number().saturating_mul(geometry.face_cells()).saturating_add(slot.index);
+    let face_start = face.number().saturating_mul(geometry.face_cells());
+    let index = face_start.saturating_add(row_start).saturating_add(column.cell);
     let Some(place) = cells.get_mut(index) else { return Put::Outside };
     let is_taken = place.content != CellContent::Empty;
     if !is_taken || elevation < place.elevation {
-        *place = WindowCell { elevation, along: slot.along, up: slot.up, ..cell };
+        *place = WindowCell { elevation, along: column.steps, ..cell };
     }
     if is_taken { Put::Merged } else { Put::Written }
 }

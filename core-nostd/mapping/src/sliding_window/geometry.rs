@@ -1,6 +1,6 @@
 //! Where the cells of a vertical grid lie, and places within a cell.
 
-use floorguard_types::number::{nearest_f32, saturating_i8, saturating_i32, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_i32, saturating_u8, saturating_usize};
 
 use super::capacities::{WINDOW_HALF_WIDTH_M, WINDOW_HEIGHT_M};
 use super::cell::{ELEVATION_STEP_M, WindowCell};
@@ -41,6 +41,32 @@ pub(super) struct Slot {
     /// From the centre of the cell, in 254ths of its edge.
     pub(super) along: i8,
     pub(super) up: i8,
+}
+
+/// A row or a column, and where in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Part {
+    pub(super) cell: usize,
+    pub(super) steps: i8,
+}
+
+/// The cell of a place in cells from the corner; `None` outside of so many cells, and for NaN.
+#[inline]
+fn part_of(from_corner: f32, cells: u16) -> Option<Part> {
+    if !(from_corner >= 0.0 && from_corner < f32::from(cells)) {
+        return None;
+    }
+    // Not negative: towards zero is downwards.
+    let cell = saturating_usize(from_corner);
+    let fraction = from_corner - nearest_f32(cell);
+    let steps = i16::from(saturating_u8(fraction * STEPS_IN_CELL + 0.5)).saturating_sub(127);
+    Some(Part { cell, steps: i8::try_from(steps).unwrap_or(i8::MAX) })
+}
+
+/// A place in a cell as a part of its edge, 0…1.
+#[inline]
+fn within(steps: i8) -> f32 {
+    0.5 + f32::from(steps) * (1.0 / STEPS_IN_CELL)
 }
 
 impl WindowGeometry {
@@ -107,31 +133,31 @@ impl WindowGeometry {
     }
 
     /// The cell of a point and where in it; `None` outside, and for what is not finite.
+    #[inline]
     pub(super) fn slot(&self, seen: FacePoint) -> Option<Slot> {
-        let along = (seen.along_m + self.half_width_m) * self.cells_per_metre;
-        let up = seen.up_m * self.cells_per_metre;
-        let (column, row) = (libm::floorf(along), libm::floorf(up));
-        let is_inside =
-            column >= 0.0 && row >= 0.0 && column < nearest_f32(self.columns) && row < nearest_f32(self.rows);
-        if !is_inside {
-            return None;
-        }
-        let place = |from_corner: f32| saturating_i8(libm::roundf((from_corner - 0.5) * STEPS_IN_CELL));
-        let row_start = saturating_usize(row).saturating_mul(self.columns());
-        Some(Slot {
-            index: row_start.saturating_add(saturating_usize(column)),
-            along: place(along - column),
-            up: place(up - row),
-        })
+        let column = self.column(seen.along_m)?;
+        let row = part_of(seen.up_m * self.cells_per_metre, self.rows)?;
+        let index = row.cell.saturating_mul(self.columns()).saturating_add(column.cell);
+        Some(Slot { index, along: column.steps, up: row.steps })
+    }
+
+    /// The column that holds a place along the grid, and where in it.
+    #[inline]
+    pub(super) fn column(&self, along_m: f32) -> Option<Part> {
+        part_of((along_m + self.half_width_m) * self.cells_per_metre, self.columns)
+    }
+
+    /// Place along the grid of something in a column.
+    #[inline]
+    pub(super) fn along_m(&self, column: usize, steps: i8) -> f32 {
+        (nearest_f32(column) + within(steps)) * self.resolution_m - self.half_width_m
     }
 
     /// Where the content of a cell lies, as exactly as the cell keeps it.
     pub(super) fn place(&self, index: usize, cell: &WindowCell) -> FacePoint {
         let columns = self.columns().max(1);
-        let within = |steps: i8| 0.5 + f32::from(steps) / STEPS_IN_CELL;
         FacePoint {
-            along_m: (nearest_f32(index % columns) + within(cell.along)) * self.resolution_m
-                - self.half_width_m,
+            along_m: self.along_m(index % columns, cell.along),
             up_m: (nearest_f32(index / columns) + within(cell.up)) * self.resolution_m,
             elevation_m: f32::from(cell.elevation) * ELEVATION_STEP_M,
         }

@@ -14,8 +14,8 @@ use super::capacities::WINDOW_BEAMS_MAX;
 use super::error::ScanError;
 use super::motor::MotorTrack;
 
-/// Sines and cosines are exact at the ends of so many beams; between them the motor turns by less than two milliradians.
-const BLOCK: usize = 32;
+/// Sines and cosines are exact at the ends of so many beams; between them the motor turns by two milliradians at 0.3 rad/s.
+const BLOCK: usize = 64;
 const BLOCKS_MAX: usize = WINDOW_BEAMS_MAX.div_ceil(BLOCK);
 const METRES: f32 = 1.0e-3;
 
@@ -94,7 +94,7 @@ pub(super) struct ScanAngles {
 }
 
 /// Gives each valid return as a point in the frame `window_from_base` leads to, upwards. Cost: two angles of the motor and
-/// three sines a block of 32 beams, 20 operations a beam.
+/// three sines a block of 64 beams, 20 operations a beam.
 ///
 /// # Errors
 /// An angle is missing; points of earlier beams may have been given.

@@ -27,6 +27,8 @@ const FUTURE_MAX_US: u64 = 20_000;
 const WIDTH_RAD: core::ops::RangeInclusive<f32> = 1.0e-4..=core::f32::consts::PI;
 /// Expired places are searched at most so often.
 const EXPIRY_EVERY_US: u64 = 500_000;
+/// Steeper boxes end here, radians: the tangent stays finite.
+const STEEP_RAD: f32 = 1.57;
 /// A body with an arm stretched out, metres.
 const BODY_DEPTH_M: f32 = 0.6;
 
@@ -59,8 +61,21 @@ pub struct PersonBoxes<'a> {
 struct KeptBox {
     middle_rad: f32,
     half_width_rad: f32,
-    elevation_min_rad: f32,
-    elevation_max_rad: f32,
+    /// Directions of its ends, and of its middle.
+    right: Point2,
+    left: Point2,
+    middle: Point2,
+    /// Tangents of its elevations.
+    lower: f32,
+    upper: f32,
+}
+
+/// How directions of the window turn into those of odometry, and from which height boxes are seen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxFrame {
+    sin: f32,
+    cos: f32,
+    camera_height_m: f32,
 }
 
 /// The boxes of the newest picture, and when places of people have to be looked at.
@@ -92,11 +107,13 @@ impl People {
         !self.boxes.is_empty() && self.stamp.is_some_and(valid)
     }
 
-    fn covers(&self, azimuth_rad: f32, elevation_rad: f32) -> bool {
-        self.boxes.iter().any(|kept| {
-            (kept.elevation_min_rad..=kept.elevation_max_rad).contains(&elevation_rad)
-                && libm::fabsf(wrap_angle(azimuth_rad - kept.middle_rad)) <= kept.half_width_rad
-        })
+    /// A point of the window's frame lies within a box. Two cross products and two comparisons of squares a box.
+    pub(super) fn masks(&self, frame: Option<BoxFrame>, point: Point3) -> bool {
+        let Some(frame) = frame else { return false };
+        let (x, y) =
+            (frame.cos * point.x_m - frame.sin * point.y_m, frame.sin * point.x_m + frame.cos * point.y_m);
+        let up_m = point.z_m - frame.camera_height_m;
+        self.boxes.iter().any(|kept| kept.contains(Point3::new(x, y, up_m)))
     }
 
     /// A direction in odometry lies in the middle half of a box.
@@ -139,19 +156,57 @@ impl KeptBox {
             && one.azimuth_max_rad.is_finite()
             && WIDTH_RAD.contains(&width_rad)
             && one.elevation_min_rad < one.elevation_max_rad;
-        is_legal.then_some(Self {
-            middle_rad: wrap_angle(one.azimuth_min_rad + 0.5 * width_rad + heading_rad),
-            half_width_rad: 0.5 * width_rad + INFLATION_RAD,
-            elevation_min_rad: one.elevation_min_rad,
-            elevation_max_rad: one.elevation_max_rad,
+        if !is_legal {
+            return None;
+        }
+        let middle_rad = wrap_angle(one.azimuth_min_rad + 0.5 * width_rad + heading_rad);
+        let half_width_rad = 0.5 * width_rad + INFLATION_RAD;
+        let direction = |azimuth_rad: f32| {
+            let (sin, cos) = libm::sincosf(azimuth_rad);
+            Point2::new(cos, sin)
+        };
+        let slope = |elevation_rad: f32| libm::tanf(elevation_rad.clamp(-STEEP_RAD, STEEP_RAD));
+        Some(Self {
+            middle_rad,
+            half_width_rad,
+            right: direction(middle_rad - half_width_rad),
+            left: direction(middle_rad + half_width_rad),
+            middle: direction(middle_rad),
+            lower: slope(one.elevation_min_rad),
+            upper: slope(one.elevation_max_rad),
         })
     }
+
+    /// A point from the camera, axes of odometry. Boxes are narrower than half of the circle but for the widening: the ends
+    /// decide on the side of the middle, whose side the point is on.
+    fn contains(&self, point: Point3) -> bool {
+        let (x, y) = (point.x_m, point.y_m);
+        let ahead = self.middle.x_m * x + self.middle.y_m * y;
+        let is_left_of_right = self.right.x_m * y - self.right.y_m * x >= 0.0;
+        let is_right_of_left = x * self.left.y_m - y * self.left.x_m >= 0.0;
+        let is_wide = self.half_width_rad > core::f32::consts::FRAC_PI_2;
+        let is_between = if is_wide {
+            is_left_of_right || is_right_of_left || ahead >= 0.0
+        } else {
+            is_left_of_right && is_right_of_left && ahead >= 0.0
+        };
+        let distance_squared = x * x + y * y;
+        is_between
+            && is_above(point.z_m, self.lower, distance_squared)
+            && is_above(-point.z_m, -self.upper, distance_squared)
+    }
+}
+
+/// `up ≥ slope · distance`, of the distance's square.
+fn is_above(up_m: f32, slope: f32, distance_squared: f32) -> bool {
+    let (up, limit) = (up_m * up_m, slope * slope * distance_squared);
+    if slope >= 0.0 { up_m >= 0.0 && up >= limit } else { up_m >= 0.0 || up <= limit }
 }
 
 impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     /// Takes the people of a picture: erases surfaces within their boxes, and masks new points until the boxes are half a
-    /// second old or the next picture comes. Returns how many cells were erased. Cost: one pass over all cells, two arc
-    /// tangents for each surface; none without boxes.
+    /// second old or the next picture comes. Returns how many cells were erased. Cost: one pass over all cells, 20
+    /// operations for each surface and box; none without boxes.
     ///
     /// # Errors
     /// [`BoxError`]: nothing was erased, and the boxes before stay valid.
@@ -170,9 +225,7 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     }
 
     fn erase(&mut self, now: Stamp) -> u32 {
-        if !self.people.is_valid(now) {
-            return 0;
-        }
+        let Some(frame) = self.box_frame(now) else { return 0 };
         let mut erased = 0_u32;
         for face in Face::ALL {
             for index in 0..self.geometry.face_cells().min(FACE_CELLS_MAX) {
@@ -180,7 +233,7 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
                 let is_surface = cell.content == CellContent::Surface;
                 let point = face.point(self.geometry.place(index, cell));
                 if is_surface
-                    && self.is_within_box(point, now)
+                    && self.people.masks(Some(frame), point)
                     && let Some(cell) = self.cells_mut(face).get_mut(index)
                 {
                     (cell.content, cell.tick) = (CellContent::Person, tick_of(now));
@@ -197,27 +250,21 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
 
     /// Marks the points of the scan that lie within a box.
     pub(super) fn mask(&mut self, now: Stamp) {
-        if !self.people.is_valid(now) {
-            return;
-        }
+        let Some(frame) = self.box_frame(now) else { return };
         for place in 0..self.points.len().min(WINDOW_BEAMS_MAX) {
             let is_person =
-                self.points.get(place).is_some_and(|scanned| self.is_within_box(scanned.point, now));
+                self.points.get(place).is_some_and(|scanned| self.people.masks(Some(frame), scanned.point));
             if let Some(scanned) = self.points.get_mut(place) {
                 scanned.is_person = is_person;
             }
         }
     }
 
-    /// A point of the window lies within a valid box.
-    pub(super) fn is_within_box(&self, point: Point3, now: Stamp) -> bool {
-        if !self.people.is_valid(now) {
-            return false;
-        }
-        let distance_m = libm::sqrtf(point.x_m * point.x_m + point.y_m * point.y_m);
-        let azimuth_rad = libm::atan2f(point.y_m, point.x_m) + self.frame_in_odometry().heading_rad;
-        let elevation_rad = libm::atan2f(point.z_m - self.options.camera_height_m, distance_m);
-        self.people.covers(azimuth_rad, elevation_rad)
+    /// How to compare points of the window with the boxes; `None` without a valid box.
+    pub(super) fn box_frame(&self, now: Stamp) -> Option<BoxFrame> {
+        let (sin, cos) = libm::sincosf(self.frame_in_odometry().heading_rad);
+        let camera_height_m = self.options.camera_height_m;
+        self.people.is_valid(now).then_some(BoxFrame { sin, cos, camera_height_m })
     }
 
     /// Returns of the newest scan that belong to people, in odometry: for [`super::MovementArrows`]. Only the middle half of a
