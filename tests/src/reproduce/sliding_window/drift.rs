@@ -40,7 +40,7 @@ fn landmarks() -> Vec<[f64; 3]> {
 fn stand(part: f64) -> Stand {
     let there_and_back = |way: f64, leg: f64| {
         let legs = way / leg;
-        if (legs.floor() as u64) % 2 == 0 { legs.fract() * leg } else { (1.0 - legs.fract()) * leg }
+        if (legs.floor() as u64).is_multiple_of(2) { legs.fract() * leg } else { (1.0 - legs.fract()) * leg }
     };
     let heading = there_and_back(TURNED * part + SWING, 2.0 * SWING) - SWING;
     Stand { x: there_and_back(DISTANCE * part, LEG), y: 0.05 * (40.0 * part).sin(), heading }
