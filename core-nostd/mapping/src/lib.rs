@@ -35,6 +35,7 @@ pub mod people_removal;
 mod poisson;
 mod rolling;
 pub mod seen_dirt;
+pub mod sliding_window;
 
 pub use dirt_map::{DirtCell, DirtMap, NO_SLOT};
 pub use dirt_rate::{DirtRate, RunObservation, attribute_hits, observed_share};

@@ -43,6 +43,7 @@ fn main() -> ExitCode {
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, seed.unwrap_or(SEED), folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),
+        "sliding-window" => floorguard_tests::reproduce::sliding_window::sliding_window(trials, folder),
         "slam" => floorguard_tests::slam::slam(folder),
         "people-removal" => floorguard_tests::removal::people_removal(trials, folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),

@@ -1,4 +1,4 @@
-//! The published experiments, repeated in simulation: `cargo xtask reproduce cleaning` and `motion`.
+//! The published experiments, repeated in simulation: `cargo xtask reproduce cleaning`, `motion` and `sliding-window`.
 //!
 //! Every table stands beside the published figures, and every number comes from the missions that were just run. The
 //! protocol of cleaning is that of the book, Cleaning: Published protocol; what it leaves open is stated in the
@@ -9,6 +9,7 @@ mod figure_five;
 mod figure_six;
 mod motion;
 mod published;
+pub mod sliding_window;
 mod store;
 mod table_one;
 mod tours;

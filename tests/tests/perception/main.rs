@@ -22,4 +22,6 @@ mod people_removal;
 mod people_svm;
 mod people_synthetic;
 mod rgbd_people;
+mod sliding_window;
+mod sliding_window_recordings;
 mod tracking_metrics;

@@ -39,6 +39,8 @@ enum Experiment {
     Dirt,
     /// People in depth pictures of simulated rooms, both profiles.
     RgbdPeople,
+    /// Surfaces around the robot from a lidar on its side that a motor turns: Tables 1 and 2, four experiments, drift.
+    SlidingWindow,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
     /// People out of three-dimensional maps: our remover beside others; a trial is a random building.
@@ -57,6 +59,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Candidates => ("candidates", 30),
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
+        Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
         Experiment::PeopleRemoval => ("people-removal", 10),
         Experiment::OnlineLearning => ("online-learning", 3),
