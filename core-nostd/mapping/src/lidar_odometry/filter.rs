@@ -85,7 +85,10 @@ pub(super) struct Quadratic {
     pub(super) gradient: Vector12,
 }
 
-/// A diagonal entry of the state.
+/// What the shape of the motion within a sweep adds to the pose at its end, one standard deviation.
+const LOOSE_RAD: f64 = 2.0e-4;
+const LOOSE_M: f64 = 5.0e-4;
+/// First row of each velocity in the state.
 const ANGULAR: usize = 6;
 const LINEAR: usize = 9;
 
@@ -103,7 +106,9 @@ impl MotionState {
         }
     }
 
-    /// The state after a time ≥ 0 without a measurement.
+    /// The state after a time ≥ 0 without a measurement. The velocity is the mean one of the time: it changes at its
+    /// beginning, and pose and velocity err together. (Were they free of each other, sweeps could be straightened by a wrong
+    /// velocity, and leave a map in which that velocity fits.)
     #[must_use]
     pub fn predicted(&self, seconds: f64, noise: &MotionNoise) -> Self {
         let motion = self.twist.over(seconds);
@@ -113,15 +118,19 @@ impl MotionState {
         let mut covariance = step * self.covariance * step.transpose();
         let parts = [(0, ANGULAR, noise.angular_radps), (3, LINEAR, noise.linear_mps)];
         for (place, velocity, deviation) in parts {
-            let density = deviation.component_mul(&deviation);
+            let variance = deviation.component_mul(&deviation) * seconds;
             let mut add = |row: usize, column: usize, factor: f64| {
                 let mut block = covariance.view_mut((row, column), (3, 3));
-                block += Matrix3::from_diagonal(&(density * factor));
+                block += Matrix3::from_diagonal(&(variance * factor));
             };
-            add(place, place, seconds * seconds * seconds / 3.0);
-            add(place, velocity, 0.5 * seconds * seconds);
-            add(velocity, place, 0.5 * seconds * seconds);
-            add(velocity, velocity, seconds);
+            add(place, place, seconds * seconds);
+            add(place, velocity, seconds);
+            add(velocity, place, seconds);
+            add(velocity, velocity, 1.0);
+        }
+        for (row, loose) in [(0, LOOSE_RAD), (3, LOOSE_M)] {
+            let mut block = covariance.view_mut((row, row), (3, 3));
+            block += Matrix3::identity() * (loose * loose);
         }
         Self { pose: self.pose.compose(&motion), twist: self.twist, covariance }
     }
