@@ -69,6 +69,8 @@ fn settings() -> OdometryConfig {
             "noise" => config.align.noise_m = v as f32,
             "kernel" => config.align.kernel = v as f32,
             "kfirst" => config.align.kernel_first = v as f32,
+            "kwide" => config.align.kernel_wide = v as f32,
+            "rwide" => config.align.rounds_wide = v as u32,
             "alike" => config.align.alike = v,
             "matched" => config.align.matched_least = v as u32,
             "qa" => config.noise.angular_radps *= v,
@@ -110,14 +112,16 @@ fn run(path: &Path) {
         let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let time_s = truth.get(index).map_or(period * (index + 1) as f64, |pose| pose.time_s);
         result.push(TimedPose { time_s, place_m: pose.place_m, rotation });
-        if verbose && index % 20 == 0 {
+        if verbose && (index % 20 == 0 || all.len() < 50) {
             let error = truth.get(index).map(|now| {
                 let start = truth[0];
                 let there = start.rotation * pose.place_m + start.place_m;
                 (there - now.place_m) * 100.0
             });
             println!(
-                "{index} returns {} matched {} misfit {:.2} weak {:.4} held {} error cm {:?} v {:.3?} w {:.3?} drift {:.4}",
+                "{index} place mm {:.2?} turn mdeg {:.1?} returns {} matched {} misfit {:.2} weak {:.4} held {} error cm {:?} v {:.3?} w {:.3?} drift {:.4}",
+                (pose.place_m * 1e3).as_slice(),
+                (pose.rotation_vector() * 57296.0).as_slice(),
                 outcome.returns,
                 outcome.matched,
                 outcome.misfit,

@@ -28,6 +28,10 @@ pub struct AlignConfig {
     pub kernel: f32,
     /// The kernel of the first round is wider by this factor, that of the second by its root.
     pub kernel_first: f32,
+    /// Rounds, at most, where the prediction failed...
+    pub rounds_wide: u32,
+    /// ... and the factor of their first kernel.
+    pub kernel_wide: f32,
     /// Neighbouring returns err alike: so many count as one.
     pub alike: f64,
     /// Fewer matched returns say nothing.
@@ -42,7 +46,9 @@ impl Default for AlignConfig {
             step_m: 3.0e-4,
             noise_m: 0.01,
             kernel: 3.0,
-            kernel_first: 4.0,
+            kernel_first: 1.5,
+            rounds_wide: 16,
+            kernel_wide: 30.0,
             alike: 10.0,
             matched_least: 50,
         }

@@ -88,6 +88,11 @@ pub(super) struct Quadratic {
 /// What the shape of the motion within a sweep adds to the pose at its end, one standard deviation.
 const LOOSE_RAD: f64 = 2.0e-4;
 const LOOSE_M: f64 = 5.0e-4;
+/// What a sensor at rest still moves from sweep to sweep, and its velocity, one standard deviation.
+const REST_RAD: f64 = 1.0e-5;
+const REST_M: f64 = 5.0e-5;
+const REST_RADPS: f64 = 3.0e-3;
+const REST_MPS: f64 = 5.0e-3;
 /// First row of each velocity in the state.
 const ANGULAR: usize = 6;
 const LINEAR: usize = 9;
@@ -133,6 +138,19 @@ impl MotionState {
             block += Matrix3::identity() * (loose * loose);
         }
         Self { pose: self.pose.compose(&motion), twist: self.twist, covariance }
+    }
+
+    /// The state after a time at rest.
+    #[must_use]
+    pub fn resting(&self) -> Self {
+        let mut covariance = Matrix12::zeros();
+        covariance.fixed_view_mut::<6, 6>(0, 0).copy_from(&self.covariance.fixed_view::<6, 6>(0, 0));
+        let loose = [(0, REST_RAD), (3, REST_M), (ANGULAR, REST_RADPS), (LINEAR, REST_MPS)];
+        for (row, deviation) in loose {
+            let mut block = covariance.view_mut((row, row), (3, 3));
+            block += Matrix3::identity() * (deviation * deviation);
+        }
+        Self { pose: self.pose, twist: Twist3::zero(), covariance }
     }
 
     /// This state as a measurement of `other`: what pulls `other` back to it. `None` if the covariance is not positive.

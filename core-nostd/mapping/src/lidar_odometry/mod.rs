@@ -10,6 +10,7 @@ mod filter;
 mod motion;
 mod odometry;
 mod outcome;
+mod solve;
 mod sweep_motion;
 mod voxel_map;
 

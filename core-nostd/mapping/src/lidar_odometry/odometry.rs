@@ -1,13 +1,14 @@
 //! The whole: average, predict, align, enter into the map.
 
-use floorguard_types::number::{nearest_f32_of_f64, nearest_f64};
+use floorguard_types::number::{count_u32, nearest_f32_of_f64, nearest_f64};
 use heapless::Vec;
 use nalgebra::{Matrix6, Vector3};
 
-use super::align::{AlignConfig, Match, Round, Sums, measure};
+use super::align::{AlignConfig, Match, Sums};
 use super::averaging::{AveragedReturn, AveragingConfig, SweepReturn, average_returns};
-use super::filter::{FloorPrior, Matrix12, MotionAid, MotionNoise, MotionState, Quadratic, Vector12};
+use super::filter::{FloorPrior, Matrix12, MotionAid, MotionNoise, MotionState};
 use super::outcome::{SweepOutcome, WeakDirection};
+use super::solve::{Effort, Found, Knowledge, Rounds, solve};
 use super::sweep_motion::SweepMotion;
 use super::voxel_map::{Bucket, VoxelMap, VoxelMapConfig, symmetric_eigen};
 
@@ -41,7 +42,7 @@ pub struct Entering {
 
 impl Default for Entering {
     fn default() -> Self {
-        Self { step_m: 0.05, turn_rad: 2.0_f64.to_radians(), standing: 8 }
+        Self { step_m: 0.2, turn_rad: 8.0_f64.to_radians(), standing: 1 }
     }
 }
 
@@ -71,8 +72,20 @@ pub struct LidarOdometry<S, const N: usize> {
     sweeps: u32,
     entered: MotionState,
     standing: u32,
+    /// Share of the returns that lies on the map, smoothed.
+    usual: Option<f64>,
 }
 
+/// A result with less than this share of the usual returns on the map is looked for again.
+const USUAL_SHARE: f64 = 0.8;
+/// At rest nothing but people changes what is seen: fewer than this share, and the sensor has moved.
+const REST_SHARE: f64 = 0.97;
+/// Below this speed the sensor may be at rest, m/s...
+const REST_MPS: f64 = 0.05;
+/// ... and below this rate, rad/s.
+const REST_RADPS: f64 = 0.03;
+/// Squared deviations from rest that are still rest: of twelve values, exceeded once in a thousand times.
+const REST_SURPRISE_MOST: f64 = 33.0;
 /// Rounds in which the first two sweeps are straightened by each other.
 const FIRST_ROUNDS: u32 = 3;
 
@@ -92,6 +105,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             sweeps: 0,
             entered: MotionState::at_origin(),
             standing: 0,
+            usual: None,
         }
     }
 
@@ -129,8 +143,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         } else if self.sweeps == 2 {
             self.second(times, aid)
         } else {
-            let before = self.state.predicted(times.since_last_s, &self.config.noise);
-            self.follow(&before, times, aid)
+            self.follow(times, aid)
         };
         SweepOutcome { dropped, ..outcome }
     }
@@ -155,78 +168,85 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             for each in &self.first {
                 self.map.insert(&motion.transform(&each.point_in_sensor, each.time_share), 1);
             }
-            let before = begun.predicted(times.since_last_s, &self.config.noise);
-            outcome = Some(self.align(&before, times, aid));
+            self.usual = None;
+            outcome = Some(self.align(&begun, times, aid));
         }
         let mut outcome = outcome.unwrap_or_else(|| self.outcome(&Sums::none(), &start.covariance));
         outcome.is_mapped = self.enter(times.duration_s);
         outcome
     }
 
-    fn follow(&mut self, before: &MotionState, times: SweepTimes, aid: &MotionAid) -> SweepOutcome {
-        let mut outcome = self.align(before, times, aid);
+    fn follow(&mut self, times: SweepTimes, aid: &MotionAid) -> SweepOutcome {
+        let last = self.state;
+        let mut outcome = self.align(&last, times, aid);
         if !outcome.is_blind && self.is_due() {
             outcome.is_mapped = self.enter(times.duration_s);
         }
         outcome
     }
 
-    /// Finds the state that fits the returns, the prediction, and what else is known.
-    fn align(&mut self, before: &MotionState, times: SweepTimes, aid: &MotionAid) -> SweepOutcome {
-        let Some(information) = before.information() else {
+    /// Finds the state that fits the returns, the prediction, and what else is known. A sensor that stood is first believed to
+    /// stand still; a result that fits worse than the last ones did is looked for again, farther away.
+    fn align(&mut self, last: &MotionState, times: SweepTimes, aid: &MotionAid) -> SweepOutcome {
+        let config = self.config.align;
+        let before = last.predicted(times.since_last_s, &self.config.noise);
+        let resting = is_at_rest(last).then(|| last.resting());
+        let resting = resting.and_then(|resting| {
+            let found = self.solve(&resting, (times, aid), config.rounds_of(Effort::Usual))?;
+            (found.surprise < REST_SURPRISE_MOST).then_some(found)
+        });
+        let at_rest = |rest: &Found, kernels: f64| rest.sums.kernels > REST_SHARE * kernels;
+        let all = nearest_f64(count_u32(self.returns.len()));
+        let usual = self.usual.map(|share| share * all);
+        let mut found = resting.filter(|rest| usual.is_none_or(|usual| at_rest(rest, usual)));
+        if found.is_none() || usual.is_none() {
+            let rest = found;
+            found = self.solve(&before, (times, aid), config.rounds_of(Effort::Usual));
+            if !found.as_ref().is_some_and(|found| self.is_usual(&found.sums)) {
+                let wide = self.solve(&before, (times, aid), config.rounds_of(Effort::Wide));
+                found = better(found, wide);
+            }
+            let kernels = found.as_ref().map_or(0.0, |found| found.sums.kernels);
+            found = rest.filter(|rest| at_rest(rest, kernels)).or(found);
+        }
+        let Some(Found { state, sums, .. }) = found else {
+            self.state = before;
             return self.outcome(&Sums::none(), &before.covariance);
         };
-        self.matches.clear();
-        // The same capacity: it always fits.
-        let _ = self.matches.resize(self.returns.len(), Match::OPEN);
-        self.state = *before;
-        let config = self.config.align;
-        let mut widening = config.kernel_first;
-        let mut sums = Sums::none();
-        for _ in 0..config.rounds {
-            let motion = SweepMotion::new(&self.state.pose, &self.state.twist, times.duration_s);
-            let wide = config.kernel * widening;
-            let round = Round { config: &config, kernel: wide * wide, motion: &motion };
-            let end = self.state.pose.place_m.map(nearest_f32_of_f64);
-            sums = measure((&self.returns, &mut self.matches), &self.map, &round, &end);
-            let Some(step) = self.correct((before, &information), &sums, aid) else { break };
-            let moved = step.fixed_rows::<3>(3).norm_squared() < config.step_m * config.step_m;
-            let turned = step.fixed_rows::<3>(0).norm_squared() < config.turn_rad * config.turn_rad;
-            if moved && turned && widening <= 1.0 {
-                break;
-            }
-            widening = libm::sqrtf(widening);
-            if widening < 1.3 {
-                widening = 1.0;
-            }
-        }
+        self.state = state;
+        self.remember(&sums);
         let outcome = self.outcome(&sums, &before.covariance);
         self.grow_drift(&sums, times.since_last_s);
         SweepOutcome { drift: self.drift, ..outcome }
     }
 
-    /// One round of Gauss and Newton. `None` if the sum of all information is not positive.
-    fn correct(
+    fn solve(
         &mut self,
-        (before, information): (&MotionState, &Matrix12),
-        sums: &Sums,
-        aid: &MotionAid,
-    ) -> Option<Vector12> {
-        let mut all = Quadratic::of_prior(information, &self.state.difference(before));
-        all.add_aid(aid, &self.state.twist);
-        if let Some(floor) = &self.config.floor {
-            all.add_floor(floor, &self.state.pose);
-        }
-        if sums.matched >= self.config.align.matched_least {
-            let lidar = sums.quadratic(&self.state.pose, self.config.align.alike);
-            all.information += lidar.information;
-            all.gradient += lidar.gradient;
-        }
-        let factor = all.information.cholesky()?;
-        let step = -factor.solve(&all.gradient);
-        self.state = self.state.corrected(&step);
-        self.state.covariance = factor.inverse();
-        Some(step)
+        before: &MotionState,
+        (times, aid): (SweepTimes, &MotionAid),
+        rounds: Rounds,
+    ) -> Option<Found> {
+        let knowledge = Knowledge { aid, floor: self.config.floor.as_ref(), duration_s: times.duration_s };
+        self.matches.clear();
+        // The same capacity: it always fits.
+        let _ = self.matches.resize(self.returns.len(), Match::OPEN);
+        let returns = (self.returns.as_slice(), self.matches.as_mut_slice());
+        solve(before, returns, &self.map, (&self.config.align, rounds, &knowledge))
+    }
+
+    /// Whether about as many returns lie on the map as did before; false while that is not known.
+    fn is_usual(&self, sums: &Sums) -> bool {
+        let is_enough = |usual| self.share(sums) > USUAL_SHARE * usual;
+        sums.matched >= self.config.align.matched_least && self.usual.is_some_and(is_enough)
+    }
+
+    fn share(&self, sums: &Sums) -> f64 {
+        sums.kernels / nearest_f64(count_u32(self.returns.len()).max(1))
+    }
+
+    fn remember(&mut self, sums: &Sums) {
+        let share = self.share(sums);
+        self.usual = Some(self.usual.map_or(share, |usual| usual + 0.2 * (share - usual)));
     }
 
     fn is_due(&mut self) -> bool {
@@ -253,7 +273,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
     /// New surfaces are mapped with the error of the pose they are seen from: by the share of returns that no plane
     /// explained, the error of this sweep becomes one of the map.
     fn grow_drift(&mut self, sums: &Sums, since_last_s: f64) {
-        let all = nearest_f64(floorguard_types::number::count_u32(self.returns.len()).max(1));
+        let all = nearest_f64(count_u32(self.returns.len()).max(1));
         let fresh = 1.0 - nearest_f64(sums.matched) / all;
         let transport = self.state.twist.over(since_last_s).error_transport();
         let pose = self.state.covariance.fixed_view::<6, 6>(0, 0).into_owned();
@@ -265,7 +285,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         SweepOutcome {
             state: self.state,
             drift: self.drift,
-            returns: floorguard_types::number::count_u32(self.returns.len()),
+            returns: count_u32(self.returns.len()),
             matched: sums.matched,
             dropped: 0,
             misfit: libm::sqrt(sums.squares / sums.kernels.max(1.0)),
@@ -274,6 +294,17 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             is_mapped: false,
         }
     }
+}
+
+fn is_at_rest(state: &MotionState) -> bool {
+    state.twist.linear_mps.norm_squared() < REST_MPS * REST_MPS
+        && state.twist.angular_radps.norm_squared() < REST_RADPS * REST_RADPS
+}
+
+/// The one with more returns on the map.
+fn better(one: Option<Found>, other: Option<Found>) -> Option<Found> {
+    let kernels = |found: &Option<Found>| found.as_ref().map_or(-1.0, |found| found.sums.kernels);
+    if kernels(&other) > kernels(&one) { other } else { one }
 }
 
 /// The longest axis of the place's covariance.
