@@ -13,6 +13,8 @@ mod outcome;
 mod solve;
 mod sweep_motion;
 mod voxel_map;
+#[cfg(test)]
+mod world;
 
 pub use align::AlignConfig;
 pub use averaging::{AveragedReturn, AveragingConfig, RINGS_MAX, SweepReturn, average_returns};

@@ -324,3 +324,7 @@ fn weak_direction(after: &Matrix12, before: &Matrix12) -> WeakDirection {
         is_held_by_prediction: along(&after) > 0.5 * along(&before),
     }
 }
+
+#[cfg(test)]
+#[path = "odometry_tests.rs"]
+mod tests;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::mapping_commands::{LocaliseArguments, MapArguments};
+use crate::mapping_commands::{LocaliseArguments, Map3dArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -86,6 +86,9 @@ pub enum Command {
     Train(super::TrainArguments),
     /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
     Map(MapArguments),
+    /// Map a building in space: a lidar capture becomes a trajectory and a cloud of surfaces.
+    #[command(name = "map3d")]
+    Map3d(Map3dArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.
