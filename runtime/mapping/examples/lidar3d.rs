@@ -60,6 +60,7 @@ fn settings() -> OdometryConfig {
         match name {
             "run" => config.averaging.run = v as u16,
             "least" => config.averaging.run_least = v as u16,
+            "length" => config.averaging.length_m = v as f32,
             "bend" => config.averaging.bend_m = v as f32,
             "far" => config.averaging.range_most_m = v as f32,
             "fine" => config.map.fine_m = v as f32,
@@ -78,6 +79,7 @@ fn settings() -> OdometryConfig {
             "step" => config.entering.step_m = v,
             "turn" => config.entering.turn_rad = v.to_radians(),
             "standing" => config.entering.standing = v as u32,
+            "hand" => config.noise = floorguard_mapping::lidar_odometry::MotionNoise::hand_held(),
             "floor" => config.floor = Some(FloorPrior::default()),
             _ => panic!("{name}"),
         }
@@ -112,19 +114,20 @@ fn run(path: &Path) {
         let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let time_s = truth.get(index).map_or(period * (index + 1) as f64, |pose| pose.time_s);
         result.push(TimedPose { time_s, place_m: pose.place_m, rotation });
-        if verbose && (index % 20 == 0 || all.len() < 50) {
+        if verbose && (index % 20 == 0 || all.len() < 50 || outcome.times_noise < 400.0) {
             let error = truth.get(index).map(|now| {
                 let start = truth[0];
                 let there = start.rotation * pose.place_m + start.place_m;
                 (there - now.place_m) * 100.0
             });
             println!(
-                "{index} place mm {:.2?} turn mdeg {:.1?} returns {} matched {} misfit {:.2} weak {:.4} held {} error cm {:?} v {:.3?} w {:.3?} drift {:.4}",
+                "{index} place mm {:.2?} turn mdeg {:.1?} returns {} matched {} misfit {:.2} times {:.0} weak {:.4} held {} error cm {:?} v {:.3?} w {:.3?} drift {:.4}",
                 (pose.place_m * 1e3).as_slice(),
                 (pose.rotation_vector() * 57296.0).as_slice(),
                 outcome.returns,
                 outcome.matched,
                 outcome.misfit,
+                outcome.times_noise,
                 outcome.weak.deviation_m,
                 outcome.weak.is_held_by_prediction,
                 error.map(|e| [e.x, e.y, e.z].map(|v| (v * 10.0).round() / 10.0)),

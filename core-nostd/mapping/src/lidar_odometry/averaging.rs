@@ -46,6 +46,8 @@ pub struct AveragingConfig {
     pub run: u16,
     /// Shorter runs are left out: small or ragged objects.
     pub run_least: u16,
+    /// Longer runs are cut, so that a mean lies near all of its returns, metres.
+    pub length_m: f32,
     /// Nearer returns are the robot itself.
     pub range_least_m: f32,
     /// Farther returns are not used.
@@ -65,6 +67,7 @@ impl Default for AveragingConfig {
         Self {
             run: 8,
             run_least: 5,
+            length_m: 0.6,
             range_least_m: 0.4,
             range_most_m: 60.0,
             step_m: 0.15,
@@ -80,6 +83,7 @@ struct Run {
     count: u16,
     sum: Vector3<f32>,
     time_sum: f32,
+    first: Vector3<f32>,
     last: Vector3<f32>,
     step: Vector3<f32>,
 }
@@ -89,6 +93,7 @@ impl Run {
         count: 0,
         sum: Vector3::new(0.0, 0.0, 0.0),
         time_sum: 0.0,
+        first: Vector3::new(0.0, 0.0, 0.0),
         last: Vector3::new(0.0, 0.0, 0.0),
         step: Vector3::new(0.0, 0.0, 0.0),
     };
@@ -98,6 +103,7 @@ impl Run {
             count: 1,
             sum: each.point_in_sensor,
             time_sum: each.time_share,
+            first: each.point_in_sensor,
             last: each.point_in_sensor,
             step: Vector3::zeros(),
         }
@@ -149,7 +155,8 @@ pub fn average_returns<const N: usize>(
             run.sum += each.point_in_sensor;
             run.time_sum += each.time_share;
             run.count = run.count.saturating_add(1);
-            if run.count >= config.run {
+            let length = (run.last - run.first).norm_squared();
+            if run.count >= config.run || length > config.length_m * config.length_m {
                 give(run);
                 *run = Run::NONE;
             }

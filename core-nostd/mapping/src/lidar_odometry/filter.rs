@@ -30,9 +30,17 @@ pub struct MotionNoise {
 }
 
 impl Default for MotionNoise {
-    /// A robot that drives on a floor, or a person who carries the sensor.
+    /// A robot that drives on a floor: it turns about the vertical axis, and rises or sinks hardly ever.
     fn default() -> Self {
-        Self { angular_radps: Vector3::new(1.0, 1.0, 2.0), linear_mps: Vector3::new(1.0, 1.0, 0.5) }
+        Self { angular_radps: Vector3::new(0.5, 0.5, 2.0), linear_mps: Vector3::new(1.0, 1.0, 0.1) }
+    }
+}
+
+impl MotionNoise {
+    /// A person who carries the sensor.
+    #[must_use]
+    pub fn hand_held() -> Self {
+        Self { angular_radps: Vector3::repeat(4.0), linear_mps: Vector3::repeat(2.0) }
     }
 }
 
@@ -98,17 +106,17 @@ const ANGULAR: usize = 6;
 const LINEAR: usize = 9;
 
 impl MotionState {
-    /// At the origin of the map, which is exact, with a velocity that is not known.
+    /// At the origin of the map, which is exact, with a velocity that is not known: it has the deviation that a second of
+    /// motion gives it.
     #[must_use]
-    pub fn at_origin() -> Self {
+    pub fn at_origin(unknown: &MotionNoise) -> Self {
         let exact = 1.0e-8;
         let mut variances = Vector12::repeat(exact);
-        variances.fixed_rows_mut::<6>(ANGULAR).fill(1.0);
-        Self {
-            pose: Pose3::identity(),
-            twist: Twist3::zero(),
-            covariance: Matrix12::from_diagonal(&variances),
-        }
+        let square = |deviation: Vector3<f64>| deviation.component_mul(&deviation);
+        variances.fixed_rows_mut::<3>(ANGULAR).copy_from(&square(unknown.angular_radps));
+        variances.fixed_rows_mut::<3>(LINEAR).copy_from(&square(unknown.linear_mps));
+        let covariance = Matrix12::from_diagonal(&variances);
+        Self { pose: Pose3::identity(), twist: Twist3::zero(), covariance }
     }
 
     /// The state after a time ≥ 0 without a measurement. The velocity is the mean one of the time: it changes at its
@@ -190,6 +198,29 @@ impl Quadratic {
     /// Of a prior: its information, and the difference of the state from it.
     pub(super) fn of_prior(information: &Matrix12, difference: &Vector12) -> Self {
         Self { information: *information, gradient: information * difference }
+    }
+
+    /// Counts what it says about a direction of the place (a unit vector), and of the velocity along it, with a share only,
+    /// 0 to 1; 0 is as if an unknown shift along the direction were part of every return (the Schur complement).
+    pub(super) fn reduce(&mut self, direction: &Vector3<f64>, share: f64) {
+        for row in [3, LINEAR] {
+            let mut along = Vector12::zeros();
+            along.fixed_rows_mut::<3>(row).copy_from(direction);
+            let pull = self.information * along;
+            let value = pull.dot(&along);
+            if value > 0.0 {
+                let factor = (1.0 - share) / value;
+                self.gradient -= pull * (along.dot(&self.gradient) * factor);
+                self.information -= pull * pull.transpose() * factor;
+            }
+        }
+    }
+
+    /// Squared deviations of the best pose from the present one; `None` where no pose is best.
+    pub(super) fn pose_tension(&self) -> Option<f64> {
+        let information = self.information.fixed_view::<6, 6>(0, 0).into_owned();
+        let gradient = self.gradient.fixed_rows::<6>(0).into_owned();
+        Some(information.cholesky()?.solve(&gradient).dot(&gradient))
     }
 
     /// What wheels and gyroscope say about the velocity.

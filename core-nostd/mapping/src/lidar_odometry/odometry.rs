@@ -84,8 +84,11 @@ const REST_SHARE: f64 = 0.97;
 const REST_MPS: f64 = 0.05;
 /// ... and below this rate, rad/s.
 const REST_RADPS: f64 = 0.03;
-/// Squared deviations from rest that are still rest: of twelve values, exceeded once in a thousand times.
-const REST_SURPRISE_MOST: f64 = 33.0;
+/// The returns alone may ask for a pose so many squared deviations away from rest. Deviations allow for neighbours that err
+/// alike, so noise stays far below one.
+const REST_TENSION_MOST: f64 = 1.0;
+/// Rest is believed where each direction of the place is seen this well, in multiples of what noise would say.
+const REST_TIMES_NOISE: f64 = 200.0;
 /// Rounds in which the first two sweeps are straightened by each other.
 const FIRST_ROUNDS: u32 = 3;
 
@@ -96,14 +99,14 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         Self {
             config,
             map: VoxelMap::new(storage, config.map),
-            state: MotionState::at_origin(),
+            state: MotionState::at_origin(&config.noise),
             drift: Matrix6::zeros(),
             returns: Vec::new(),
             matches: Vec::new(),
             first: Vec::new(),
             first_duration_s: 0.0,
             sweeps: 0,
-            entered: MotionState::at_origin(),
+            entered: MotionState::at_origin(&config.noise),
             standing: 0,
             usual: None,
         }
@@ -193,7 +196,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         let resting = is_at_rest(last).then(|| last.resting());
         let resting = resting.and_then(|resting| {
             let found = self.solve(&resting, (times, aid), config.rounds_of(Effort::Usual))?;
-            (found.surprise < REST_SURPRISE_MOST).then_some(found)
+            (found.tension < REST_TENSION_MOST && found.times_noise > REST_TIMES_NOISE).then_some(found)
         });
         let at_rest = |rest: &Found, kernels: f64| rest.sums.kernels > REST_SHARE * kernels;
         let all = nearest_f64(count_u32(self.returns.len()));
@@ -209,7 +212,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             let kernels = found.as_ref().map_or(0.0, |found| found.sums.kernels);
             found = rest.filter(|rest| at_rest(rest, kernels)).or(found);
         }
-        let Some(Found { state, sums, .. }) = found else {
+        let Some(Found { state, sums, times_noise, .. }) = found else {
             self.state = before;
             return self.outcome(&Sums::none(), &before.covariance);
         };
@@ -217,7 +220,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         self.remember(&sums);
         let outcome = self.outcome(&sums, &before.covariance);
         self.grow_drift(&sums, times.since_last_s);
-        SweepOutcome { drift: self.drift, ..outcome }
+        SweepOutcome { drift: self.drift, times_noise, ..outcome }
     }
 
     fn solve(
@@ -289,6 +292,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             matched: sums.matched,
             dropped: 0,
             misfit: libm::sqrt(sums.squares / sums.kernels.max(1.0)),
+            times_noise: 0.0,
             weak: weak_direction(&self.state.covariance, before),
             is_blind: sums.matched < config.matched_least,
             is_mapped: false,

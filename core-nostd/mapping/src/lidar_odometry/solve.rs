@@ -2,7 +2,7 @@
 
 use floorguard_types::number::nearest_f32_of_f64;
 
-use super::align::{AlignConfig, Match, Round, Sums, measure};
+use super::align::{AlignConfig, Match, Round, Sums, SweepInformation, measure};
 use super::averaging::AveragedReturn;
 use super::filter::{FloorPrior, Matrix12, MotionAid, MotionState, Quadratic, Vector12};
 use super::sweep_motion::SweepMotion;
@@ -45,8 +45,11 @@ pub(super) struct Knowledge<'a> {
 pub(super) struct Found {
     pub(super) state: MotionState,
     pub(super) sums: Sums,
-    /// Squared deviations of the state from the prediction.
-    pub(super) surprise: f64,
+    /// Squared deviations of the pose that the returns alone ask for from the one that was found; infinite if they ask for
+    /// none.
+    pub(super) tension: f64,
+    /// See [`SweepInformation::times_noise`]; 0 of too few returns.
+    pub(super) times_noise: f64,
 }
 
 /// A widening below this is none.
@@ -63,13 +66,17 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let mut state = *before;
     let mut widening = rounds.widening;
     let mut sums = Sums::none();
+    let (mut times_noise, mut tension) = (0.0, f64::INFINITY);
     for _ in 0..rounds.most {
         let motion = SweepMotion::new(&state.pose, &state.twist, knowledge.duration_s);
         let wide = config.kernel * widening;
         let round = Round { config, kernel: wide * wide, motion: &motion };
         let end = state.pose.place_m.map(nearest_f32_of_f64);
         sums = measure((returns, &mut *matches), map, &round, &end);
-        let step = correct(&mut state, (before, &information), (&sums, config), knowledge)?;
+        let seen = (sums.matched >= config.matched_least).then(|| sums.information(&state.pose, config.alike));
+        times_noise = seen.as_ref().map_or(0.0, |seen| seen.times_noise);
+        tension = seen.as_ref().and_then(|seen| seen.quadratic.pose_tension()).unwrap_or(f64::INFINITY);
+        let step = correct(&mut state, (before, &information), seen, knowledge)?;
         let moved = step.fixed_rows::<3>(3).norm_squared() < config.step_m * config.step_m;
         let turned = step.fixed_rows::<3>(0).norm_squared() < config.turn_rad * config.turn_rad;
         if moved && turned && widening <= 1.0 {
@@ -80,15 +87,14 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
             widening = 1.0;
         }
     }
-    let difference = state.difference(before);
-    Some(Found { state, sums, surprise: difference.dot(&(information * difference)) })
+    Some(Found { state, sums, tension, times_noise })
 }
 
 /// One round.
 fn correct(
     state: &mut MotionState,
     (before, information): (&MotionState, &Matrix12),
-    (sums, config): (&Sums, &AlignConfig),
+    seen: Option<SweepInformation>,
     knowledge: &Knowledge<'_>,
 ) -> Option<Vector12> {
     let mut all = Quadratic::of_prior(information, &state.difference(before));
@@ -96,10 +102,9 @@ fn correct(
     if let Some(floor) = knowledge.floor {
         all.add_floor(floor, &state.pose);
     }
-    if sums.matched >= config.matched_least {
-        let lidar = sums.quadratic(&state.pose, config.alike);
-        all.information += lidar.information;
-        all.gradient += lidar.gradient;
+    if let Some(SweepInformation { quadratic, .. }) = seen {
+        all.information += quadratic.information;
+        all.gradient += quadratic.gradient;
     }
     let factor = all.information.cholesky()?;
     let step = -factor.solve(&all.gradient);

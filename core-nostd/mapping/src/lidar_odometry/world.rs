@@ -9,7 +9,7 @@ use super::motion::{Pose3, Twist3};
 
 /// Seconds of a revolution, and firings in it.
 pub const PERIOD_S: f64 = 0.1;
-const FIRINGS: u32 = 900;
+const FIRINGS: u32 = 1_800;
 const RANGE_M: f64 = 60.0;
 
 /// Lower and upper corner.
@@ -82,7 +82,7 @@ impl World {
         })
     }
 
-    /// The sweep of a VLP-16 (every second firing) that ends at a pose with a velocity.
+    /// The sweep of a VLP-16 that ends at a pose with a velocity.
     pub fn sweep(&self, end: &Pose3, twist: &Twist3, noise: &mut Noise) -> Vec<SweepReturn> {
         let mut sweep = Vec::new();
         for firing in 0..FIRINGS {
