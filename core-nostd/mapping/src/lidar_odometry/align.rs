@@ -89,11 +89,33 @@ pub(super) struct Sums {
     tilts: f64,
 }
 
+/// The direction of the place that a sweep says least about.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weakest {
+    /// Unit vector in the sensor's axes.
+    pub(super) direction: Vector3<f64>,
+    /// The information about it in multiples of what noise would say; 0 of too few returns.
+    pub(super) times_noise: f64,
+    /// The share of the information that was used, 0 to 1.
+    pub(super) share: f64,
+}
+
+impl Weakest {
+    /// Of a sweep that says nothing.
+    pub(super) fn of_nothing() -> Self {
+        Self { direction: Vector3::x(), times_noise: 0.0, share: 0.0 }
+    }
+
+    /// Too little to tell it from noise.
+    pub(super) fn is_silent(&self) -> bool {
+        self.share <= 0.0
+    }
+}
+
 /// What a sweep says about a state, and the directions about which it says nothing.
 pub(super) struct SweepInformation {
     pub(super) quadratic: Quadratic,
-    /// The information about the weakest direction of the place in multiples of what noise would say.
-    pub(super) times_noise: f64,
+    pub(super) weakest: Weakest,
 }
 
 /// Six derivatives, the distance, and nothing.
@@ -167,16 +189,19 @@ impl Sums {
         let [xx, xy, xz] = [place.m11, place.m12, place.m13];
         let parts = [xx, xy, xz, place.m22, place.m23, place.m33];
         let eigen = symmetric_eigen(parts.map(|part| nearest_f32_of_f64(part / scale)));
-        let mut least = f64::INFINITY;
+        let mut weakest = Weakest { times_noise: f64::INFINITY, ..Weakest::of_nothing() };
         for (value, direction) in eigen.values.iter().zip(eigen.vectors) {
             let times_noise = f64::from(*value).max(0.0) * scale / noise;
-            least = least.min(times_noise);
-            if times_noise < CLEAR {
-                let share = ((times_noise - SILENT) / (CLEAR - SILENT)).max(0.0);
-                all.reduce(&direction.map(f64::from), share);
+            let share = ((times_noise - SILENT) / (CLEAR - SILENT)).clamp(0.0, 1.0);
+            let direction = direction.map(f64::from);
+            if share < 1.0 {
+                all.reduce(&direction, share);
+            }
+            if times_noise < weakest.times_noise {
+                weakest = Weakest { direction, times_noise, share };
             }
         }
-        SweepInformation { quadratic: all, times_noise: least }
+        SweepInformation { quadratic: all, weakest }
     }
 
     fn quadratic(&self, end: &Pose3, alike: f64) -> Quadratic {

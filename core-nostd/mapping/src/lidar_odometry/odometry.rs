@@ -2,11 +2,11 @@
 
 use floorguard_types::number::{count_u32, nearest_f32_of_f64, nearest_f64};
 use heapless::Vec;
-use nalgebra::{Matrix6, Vector3};
+use nalgebra::{Matrix3, Matrix6};
 
-use super::align::{AlignConfig, Match, Sums};
+use super::align::{AlignConfig, Match, Sums, Weakest};
 use super::averaging::{AveragedReturn, AveragingConfig, SweepReturn, average_returns};
-use super::filter::{FloorPrior, Matrix12, MotionAid, MotionNoise, MotionState};
+use super::filter::{FloorPrior, MotionAid, MotionNoise, MotionState};
 use super::outcome::{SweepOutcome, WeakDirection};
 use super::solve::{Effort, Found, Knowledge, Rounds, solve};
 use super::sweep_motion::SweepMotion;
@@ -154,7 +154,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
     fn begin(&mut self, times: SweepTimes) -> SweepOutcome {
         self.first.clone_from(&self.returns);
         self.first_duration_s = times.duration_s;
-        let mut outcome = self.outcome(&Sums::none(), &self.state.covariance.clone());
+        let mut outcome = self.outcome(&Sums::none(), &Weakest::of_nothing());
         outcome.is_mapped = self.enter(times.duration_s);
         outcome.is_blind = self.returns.is_empty();
         outcome
@@ -174,7 +174,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             self.usual = None;
             outcome = Some(self.align(&begun, times, aid));
         }
-        let mut outcome = outcome.unwrap_or_else(|| self.outcome(&Sums::none(), &start.covariance));
+        let mut outcome = outcome.unwrap_or_else(|| self.outcome(&Sums::none(), &Weakest::of_nothing()));
         outcome.is_mapped = self.enter(times.duration_s);
         outcome
     }
@@ -196,7 +196,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         let resting = is_at_rest(last).then(|| last.resting());
         let resting = resting.and_then(|resting| {
             let found = self.solve(&resting, (times, aid), config.rounds_of(Effort::Usual))?;
-            (found.tension < REST_TENSION_MOST && found.times_noise > REST_TIMES_NOISE).then_some(found)
+            (found.tension < REST_TENSION_MOST && found.weakest.times_noise > REST_TIMES_NOISE).then_some(found)
         });
         let at_rest = |rest: &Found, kernels: f64| rest.sums.kernels > REST_SHARE * kernels;
         let all = nearest_f64(count_u32(self.returns.len()));
@@ -212,15 +212,14 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             let kernels = found.as_ref().map_or(0.0, |found| found.sums.kernels);
             found = rest.filter(|rest| at_rest(rest, kernels)).or(found);
         }
-        let Some(Found { state, sums, times_noise, .. }) = found else {
+        let Some(Found { state, sums, weakest, .. }) = found else {
             self.state = before;
-            return self.outcome(&Sums::none(), &before.covariance);
+            return self.outcome(&Sums::none(), &Weakest::of_nothing());
         };
         self.state = state;
         self.remember(&sums);
-        let outcome = self.outcome(&sums, &before.covariance);
-        self.grow_drift(&sums, times.since_last_s);
-        SweepOutcome { drift: self.drift, times_noise, ..outcome }
+        self.grow_drift(&sums, &weakest, times.since_last_s);
+        self.outcome(&sums, &weakest)
     }
 
     fn solve(
@@ -274,17 +273,24 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
     }
 
     /// New surfaces are mapped with the error of the pose they are seen from: by the share of returns that no plane
-    /// explained, the error of this sweep becomes one of the map.
-    fn grow_drift(&mut self, sums: &Sums, since_last_s: f64) {
-        let all = nearest_f64(count_u32(self.returns.len()).max(1));
-        let fresh = 1.0 - nearest_f64(sums.matched) / all;
+    /// explained, the error of this sweep becomes one of the map. So does the error along a direction that the returns say
+    /// nothing about.
+    fn grow_drift(&mut self, sums: &Sums, weakest: &Weakest, since_last_s: f64) {
+        let fresh = 1.0 - nearest_f64(sums.matched) / nearest_f64(count_u32(self.returns.len()).max(1));
         let transport = self.state.twist.over(since_last_s).error_transport();
         let pose = self.state.covariance.fixed_view::<6, 6>(0, 0).into_owned();
         self.drift = transport * self.drift * transport.transpose() + pose * fresh.clamp(0.0, 1.0);
+        let place = pose.fixed_view::<3, 3>(3, 3).into_owned();
+        let along = weakest.direction;
+        let unseen = (place * along).dot(&along) * (1.0 - weakest.share);
+        let mut block = self.drift.fixed_view_mut::<3, 3>(3, 3);
+        block += along * along.transpose() * unseen;
     }
 
-    fn outcome(&self, sums: &Sums, before: &Matrix12) -> SweepOutcome {
+    fn outcome(&self, sums: &Sums, weakest: &Weakest) -> SweepOutcome {
         let config = &self.config.align;
+        let place = |m: &Matrix6<f64>| m.fixed_view::<3, 3>(3, 3).into_owned();
+        let now = self.state.covariance.fixed_view::<6, 6>(0, 0).into_owned();
         SweepOutcome {
             state: self.state,
             drift: self.drift,
@@ -292,8 +298,8 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             matched: sums.matched,
             dropped: 0,
             misfit: libm::sqrt(sums.squares / sums.kernels.max(1.0)),
-            times_noise: 0.0,
-            weak: weak_direction(&self.state.covariance, before),
+            times_noise: weakest.times_noise,
+            weak: weak_direction(&(place(&now) + place(&self.drift)), weakest.is_silent()),
             is_blind: sums.matched < config.matched_least,
             is_mapped: false,
         }
@@ -312,21 +318,15 @@ fn better(one: Option<Found>, other: Option<Found>) -> Option<Found> {
 }
 
 /// The longest axis of the place's covariance.
-fn weak_direction(after: &Matrix12, before: &Matrix12) -> WeakDirection {
-    let block = |m: &Matrix12| m.fixed_view::<3, 3>(3, 3).into_owned();
-    let (after, before) = (block(after), block(before));
+fn weak_direction(place: &Matrix3<f64>, is_held_by_prediction: bool) -> WeakDirection {
     // Within the range of single precision whatever the unit.
-    let scale = after.trace().max(1.0e-30);
+    let scale = place.trace().max(1.0e-30);
     let short = |value: f64| nearest_f32_of_f64(value / scale);
-    let eigen = symmetric_eigen([after.m11, after.m12, after.m13, after.m22, after.m23, after.m33].map(short));
-    let [_, _, direction] = eigen.vectors;
-    let direction: Vector3<f64> = direction.map(f64::from);
-    let along = |m: &nalgebra::Matrix3<f64>| (m * direction).dot(&direction).max(0.0);
-    WeakDirection {
-        direction,
-        deviation_m: libm::sqrt(along(&after)),
-        is_held_by_prediction: along(&after) > 0.5 * along(&before),
-    }
+    let [xx, xy, xz] = [place.m11, place.m12, place.m13];
+    let eigen = symmetric_eigen([xx, xy, xz, place.m22, place.m23, place.m33].map(short));
+    let ([.., value], [.., direction]) = (eigen.values, eigen.vectors);
+    let deviation_m = libm::sqrt(f64::from(value).max(0.0) * scale);
+    WeakDirection { direction: direction.map(f64::from), deviation_m, is_held_by_prediction }
 }
 
 #[cfg(test)]

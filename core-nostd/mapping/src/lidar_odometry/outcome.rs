@@ -9,9 +9,9 @@ use super::filter::MotionState;
 pub struct WeakDirection {
     /// Unit vector in the sensor's axes.
     pub direction: Vector3<f64>,
-    /// Standard deviation along it after the sweep, metres.
+    /// Standard deviation along it after the sweep, in the map of the first one, metres.
     pub deviation_m: f64,
-    /// The returns said less about this direction than was known before: the prediction (and wheels) hold it.
+    /// The returns say nothing about one direction of the place: the prediction (and wheels) hold it.
     pub is_held_by_prediction: bool,
 }
 

@@ -2,7 +2,7 @@
 
 use floorguard_types::number::nearest_f32_of_f64;
 
-use super::align::{AlignConfig, Match, Round, Sums, SweepInformation, measure};
+use super::align::{AlignConfig, Match, Round, Sums, SweepInformation, Weakest, measure};
 use super::averaging::AveragedReturn;
 use super::filter::{FloorPrior, Matrix12, MotionAid, MotionState, Quadratic, Vector12};
 use super::sweep_motion::SweepMotion;
@@ -48,8 +48,7 @@ pub(super) struct Found {
     /// Squared deviations of the pose that the returns alone ask for from the one that was found; infinite if they ask for
     /// none.
     pub(super) tension: f64,
-    /// See [`SweepInformation::times_noise`]; 0 of too few returns.
-    pub(super) times_noise: f64,
+    pub(super) weakest: Weakest,
 }
 
 /// A widening below this is none.
@@ -66,7 +65,7 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let mut state = *before;
     let mut widening = rounds.widening;
     let mut sums = Sums::none();
-    let (mut times_noise, mut tension) = (0.0, f64::INFINITY);
+    let (mut weakest, mut tension) = (Weakest::of_nothing(), f64::INFINITY);
     for _ in 0..rounds.most {
         let motion = SweepMotion::new(&state.pose, &state.twist, knowledge.duration_s);
         let wide = config.kernel * widening;
@@ -74,7 +73,7 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
         let end = state.pose.place_m.map(nearest_f32_of_f64);
         sums = measure((returns, &mut *matches), map, &round, &end);
         let seen = (sums.matched >= config.matched_least).then(|| sums.information(&state.pose, config.alike));
-        times_noise = seen.as_ref().map_or(0.0, |seen| seen.times_noise);
+        weakest = seen.as_ref().map_or_else(Weakest::of_nothing, |seen| seen.weakest);
         tension = seen.as_ref().and_then(|seen| seen.quadratic.pose_tension()).unwrap_or(f64::INFINITY);
         let step = correct(&mut state, (before, &information), seen, knowledge)?;
         let moved = step.fixed_rows::<3>(3).norm_squared() < config.step_m * config.step_m;
@@ -87,7 +86,7 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
             widening = 1.0;
         }
     }
-    Some(Found { state, sums, tension, times_noise })
+    Some(Found { state, sums, tension, weakest })
 }
 
 /// One round.
