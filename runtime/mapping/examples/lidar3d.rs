@@ -6,7 +6,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use floorguard_mapping::lidar_odometry::{
-    Bucket, FloorPrior, LidarOdometry, MotionAid, OdometryConfig, SweepReturn, SweepTimes,
+    Bucket, FloorPrior, LidarOdometry, MotionAid, OdometryConfig, SweepOutcome, SweepReturn, SweepTimes,
 };
 use floorguard_mapping_host::metrics::{ErrorStatistics, TimedPose, absolute_errors, associate};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -115,50 +115,64 @@ fn run(path: &Path) {
         let time_s = truth.get(index).map_or(period * (index + 1) as f64, |pose| pose.time_s);
         result.push(TimedPose { time_s, place_m: pose.place_m, rotation });
         if verbose && (index % 20 == 0 || all.len() < 50 || outcome.times_noise < 400.0) {
-            let error = truth.get(index).map(|now| {
-                let start = truth[0];
-                let there = start.rotation * pose.place_m + start.place_m;
-                (there - now.place_m) * 100.0
-            });
-            println!(
-                "{index} place mm {:.2?} turn mdeg {:.1?} returns {} matched {} misfit {:.2} times {:.0} weak {:.4} held {} error cm {:?} v {:.3?} w {:.3?} drift {:.4}",
-                (pose.place_m * 1e3).as_slice(),
-                (pose.rotation_vector() * 57296.0).as_slice(),
-                outcome.returns,
-                outcome.matched,
-                outcome.misfit,
-                outcome.times_noise,
-                outcome.weak.deviation_m,
-                outcome.weak.is_held_by_prediction,
-                error.map(|e| [e.x, e.y, e.z].map(|v| (v * 10.0).round() / 10.0)),
-                outcome.state.twist.linear_mps.as_slice(),
-                outcome.state.twist.angular_radps.as_slice(),
-                outcome.drift.fixed_view::<3, 3>(3, 3).trace().sqrt(),
-            );
+            show(index, &outcome, truth.first().zip(truth.get(index)));
         }
     }
-    let count = all.len() as f64;
-    let first = result.first().unwrap();
-    let end = result.last().unwrap();
-    let far = result.iter().map(|pose| (pose.place_m - first.place_m).norm()).fold(0.0, f64::max);
-    let turned = result.iter().map(|pose| first.rotation.angle_to(&pose.rotation)).fold(0.0, f64::max);
     print!(
-        "{} sweeps {count} cpu {:.3} ms matched {:.2} mapped {mapped} cubes {} replaced {}",
+        "{} sweeps {} cpu {:.3} ms matched {:.2} mapped {mapped} cubes {} replaced {}",
         path.display(),
-        1e3 * cpu / count,
-        matched / count,
+        all.len(),
+        1e3 * cpu / all.len() as f64,
+        matched / all.len() as f64,
         odometry.map().len(),
         odometry.map().replaced(),
     );
+    conclude(&truth, &result);
+}
+
+/// One sweep; the error is that in the frame of the first pose, cm.
+fn show(index: usize, outcome: &SweepOutcome, truth: Option<(&TimedPose, &TimedPose)>) {
+    let pose = outcome.state.pose;
+    let error = truth.map(|(start, now)| start.rotation * pose.place_m + start.place_m - now.place_m);
+    println!(
+        "{index} place mm {:.2?} turn mdeg {:.1?} returns {} matched {} misfit {:.2} times {:.0} weak {:.4} held {} \
+         error cm {:.1?} v {:.3?} w {:.3?}",
+        (pose.place_m * 1e3).as_slice(),
+        (pose.rotation_vector() * 57_296.0).as_slice(),
+        outcome.returns,
+        outcome.matched,
+        outcome.misfit,
+        outcome.times_noise,
+        outcome.weak.deviation_m,
+        outcome.weak.is_held_by_prediction,
+        (error.unwrap_or_default() * 100.0).as_slice(),
+        outcome.state.twist.linear_mps.as_slice(),
+        outcome.state.twist.angular_radps.as_slice(),
+    );
+}
+
+fn conclude(truth: &[TimedPose], result: &[TimedPose]) {
+    let (first, end) = (result.first().unwrap(), result.last().unwrap());
     if truth.is_empty() {
-        let last = (end.place_m - first.place_m).norm();
-        println!("  drift {:.3} cm most {:.3} cm {:.4} deg", 100.0 * last, 100.0 * far, turned.to_degrees());
+        let away = |pose: &TimedPose| 100.0 * (pose.place_m - first.place_m).norm();
+        let turned = |pose: &TimedPose| first.rotation.angle_to(&pose.rotation).to_degrees();
+        let most = |of: &dyn Fn(&TimedPose) -> f64| result.iter().map(of).fold(0.0, f64::max);
+        println!(
+            "  drift {:.3} cm {:.4} deg, most {:.3} cm {:.4} deg",
+            away(end),
+            turned(end),
+            most(&away),
+            most(&turned)
+        );
         return;
     }
-    let pairs = associate(&truth, &result, 0.01);
-    let errors = ErrorStatistics::of(&absolute_errors(&pairs));
-    let start = truth[0];
-    let there = start.rotation * end.place_m + start.place_m;
+    let errors = ErrorStatistics::of(&absolute_errors(&associate(truth, result, 0.01)));
+    let there = truth[0].rotation * end.place_m + truth[0].place_m;
     let end_error = (there - truth.last().unwrap().place_m).norm();
-    println!("  ATE {:.2} cm most {:.2} end {:.2}", 100.0 * errors.rmse, 100.0 * errors.most, 100.0 * end_error);
+    println!(
+        "  ATE {:.2} cm most {:.2} end {:.2}",
+        100.0 * errors.rmse,
+        100.0 * errors.most,
+        100.0 * end_error
+    );
 }

@@ -277,7 +277,7 @@ fn row<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let square = distance * distance / variance;
     let share = round.kernel / (round.kernel + square);
     // Beyond three times the kernel nothing of the return is believed.
-    if !(share > 0.1) {
+    if share.is_nan() || share <= 0.1 {
         return None;
     }
     let arm = point - end;

@@ -114,8 +114,8 @@ impl Run {
         let square = point.norm_squared();
         let limit = |base: f32, slope: f32| base * base + slope * slope * square;
         let step = point - self.last;
-        let straight = self.count < 2
-            || (step - self.step).norm_squared() <= limit(config.bend_m, config.bend_per_m);
+        let straight =
+            self.count < 2 || (step - self.step).norm_squared() <= limit(config.bend_m, config.bend_per_m);
         straight && step.norm_squared() <= limit(config.step_m, config.step_per_m)
     }
 

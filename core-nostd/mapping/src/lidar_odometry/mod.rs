@@ -6,6 +6,7 @@
 
 mod align;
 mod averaging;
+mod doubt;
 mod filter;
 mod motion;
 mod odometry;

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Matrix6};
 
 use super::align::{AlignConfig, Match, Sums, Weakest};
 use super::averaging::{AveragedReturn, AveragingConfig, SweepReturn, average_returns};
+use super::doubt::{Doubt, Sight};
 use super::filter::{FloorPrior, MotionAid, MotionNoise, MotionState};
 use super::outcome::{SweepOutcome, WeakDirection};
 use super::solve::{Effort, Found, Knowledge, Rounds, solve};
@@ -63,7 +64,7 @@ pub struct LidarOdometry<S, const N: usize> {
     config: OdometryConfig,
     map: VoxelMap<S>,
     state: MotionState,
-    drift: Matrix6<f64>,
+    doubt: Doubt,
     returns: Vec<AveragedReturn, N>,
     matches: Vec<Match, N>,
     /// The first sweep, until its motion is known.
@@ -100,7 +101,7 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
             config,
             map: VoxelMap::new(storage, config.map),
             state: MotionState::at_origin(&config.noise),
-            drift: Matrix6::zeros(),
+            doubt: Doubt::new(&config.noise),
             returns: Vec::new(),
             matches: Vec::new(),
             first: Vec::new(),
@@ -196,7 +197,8 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         let resting = is_at_rest(last).then(|| last.resting());
         let resting = resting.and_then(|resting| {
             let found = self.solve(&resting, (times, aid), config.rounds_of(Effort::Usual))?;
-            (found.tension < REST_TENSION_MOST && found.weakest.times_noise > REST_TIMES_NOISE).then_some(found)
+            (found.tension < REST_TENSION_MOST && found.weakest.times_noise > REST_TIMES_NOISE)
+                .then_some(found)
         });
         let at_rest = |rest: &Found, kernels: f64| rest.sums.kernels > REST_SHARE * kernels;
         let all = nearest_f64(count_u32(self.returns.len()));
@@ -214,11 +216,17 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         }
         let Some(Found { state, sums, weakest, .. }) = found else {
             self.state = before;
+            let sight =
+                Sight { weakest: &Weakest::of_nothing(), fresh: 1.0, since_last_s: times.since_last_s };
+            self.doubt.grow(&before, &sight, &self.config.noise, aid);
             return self.outcome(&Sums::none(), &Weakest::of_nothing());
         };
         self.state = state;
         self.remember(&sums);
-        self.grow_drift(&sums, &weakest, times.since_last_s);
+        let all = nearest_f64(count_u32(self.returns.len()).max(1));
+        let fresh = 1.0 - nearest_f64(sums.matched) / all;
+        let sight = Sight { weakest: &weakest, fresh, since_last_s: times.since_last_s };
+        self.doubt.grow(&self.state, &sight, &self.config.noise, aid);
         self.outcome(&sums, &weakest)
     }
 
@@ -272,34 +280,19 @@ impl<S: AsRef<[Bucket]> + AsMut<[Bucket]>, const N: usize> LidarOdometry<S, N> {
         !self.returns.is_empty()
     }
 
-    /// New surfaces are mapped with the error of the pose they are seen from: by the share of returns that no plane
-    /// explained, the error of this sweep becomes one of the map. So does the error along a direction that the returns say
-    /// nothing about.
-    fn grow_drift(&mut self, sums: &Sums, weakest: &Weakest, since_last_s: f64) {
-        let fresh = 1.0 - nearest_f64(sums.matched) / nearest_f64(count_u32(self.returns.len()).max(1));
-        let transport = self.state.twist.over(since_last_s).error_transport();
-        let pose = self.state.covariance.fixed_view::<6, 6>(0, 0).into_owned();
-        self.drift = transport * self.drift * transport.transpose() + pose * fresh.clamp(0.0, 1.0);
-        let place = pose.fixed_view::<3, 3>(3, 3).into_owned();
-        let along = weakest.direction;
-        let unseen = (place * along).dot(&along) * (1.0 - weakest.share);
-        let mut block = self.drift.fixed_view_mut::<3, 3>(3, 3);
-        block += along * along.transpose() * unseen;
-    }
-
     fn outcome(&self, sums: &Sums, weakest: &Weakest) -> SweepOutcome {
         let config = &self.config.align;
         let place = |m: &Matrix6<f64>| m.fixed_view::<3, 3>(3, 3).into_owned();
         let now = self.state.covariance.fixed_view::<6, 6>(0, 0).into_owned();
         SweepOutcome {
             state: self.state,
-            drift: self.drift,
+            drift: self.doubt.covariance,
             returns: count_u32(self.returns.len()),
             matched: sums.matched,
             dropped: 0,
             misfit: libm::sqrt(sums.squares / sums.kernels.max(1.0)),
             times_noise: weakest.times_noise,
-            weak: weak_direction(&(place(&now) + place(&self.drift)), weakest.is_silent()),
+            weak: weak_direction(&(place(&now) + place(&self.doubt.covariance)), weakest.is_silent()),
             is_blind: sums.matched < config.matched_least,
             is_mapped: false,
         }

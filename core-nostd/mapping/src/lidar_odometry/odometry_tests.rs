@@ -32,7 +32,12 @@ struct Drive {
 }
 
 impl Drive {
-    fn run(world: &World, odometry: &mut Odometry, twists: &[Twist3], aid: &dyn Fn(&Twist3) -> MotionAid) -> Self {
+    fn run(
+        world: &World,
+        odometry: &mut Odometry,
+        twists: &[Twist3],
+        aid: &dyn Fn(&Twist3) -> MotionAid,
+    ) -> Self {
         let mut noise = Noise::new(7);
         let mut pose = Pose3::identity();
         let mut drive = Self { truth: Vec::new(), outcomes: Vec::new() };
@@ -71,12 +76,8 @@ fn round_trip() -> Vec<Twist3> {
 
 #[test]
 fn follows_a_drive_through_a_room() {
-    let drive = Drive::run(
-        &World::furnished(),
-        &mut odometry(OdometryConfig::default()),
-        &round_trip(),
-        &alone,
-    );
+    let drive =
+        Drive::run(&World::furnished(), &mut odometry(OdometryConfig::default()), &round_trip(), &alone);
     assert!(drive.error_m() < 0.012, "{}", drive.error_m());
     assert!(drive.outcomes.iter().skip(1).all(|outcome| !outcome.is_blind && outcome.misfit < 1.5));
     // The same with a constant velocity instead of returns: the error shows what the returns are worth.
@@ -126,7 +127,8 @@ fn doubt_grows_along_a_corridor_without_features() {
     assert!(error.x.abs() < 3.0 * late, "{error} {late}");
     assert!(error.y.abs() < 0.01 && error.z.abs() < 0.02, "{error}");
     // Wheels know how far it is.
-    let narrow = |value: f64| Gaussian3 { mean: Vector3::new(value, 0.0, 0.0), deviation: Vector3::repeat(0.01) };
+    let narrow =
+        |value: f64| Gaussian3 { mean: Vector3::new(value, 0.0, 0.0), deviation: Vector3::repeat(0.01) };
     let wheels = move |twist: &Twist3| MotionAid {
         wheels: Some(WheelSpeed { linear_mps: narrow(twist.linear_mps.x), angular_radps: narrow(0.0) }),
         gyroscope: None,

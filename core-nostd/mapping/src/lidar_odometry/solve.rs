@@ -72,7 +72,8 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
         let round = Round { config, kernel: wide * wide, motion: &motion };
         let end = state.pose.place_m.map(nearest_f32_of_f64);
         sums = measure((returns, &mut *matches), map, &round, &end);
-        let seen = (sums.matched >= config.matched_least).then(|| sums.information(&state.pose, config.alike));
+        let seen =
+            (sums.matched >= config.matched_least).then(|| sums.information(&state.pose, config.alike));
         weakest = seen.as_ref().map_or_else(Weakest::of_nothing, |seen| seen.weakest);
         tension = seen.as_ref().and_then(|seen| seen.quadratic.pose_tension()).unwrap_or(f64::INFINITY);
         let step = correct(&mut state, (before, &information), seen, knowledge)?;

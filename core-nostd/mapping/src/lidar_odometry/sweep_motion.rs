@@ -95,17 +95,14 @@ mod tests {
 
     #[test]
     fn follows_the_exact_motion() {
-        let twist = Twist3 {
-            angular_radps: Vector3::new(0.1, -0.1, 1.5),
-            linear_mps: Vector3::new(0.8, 0.1, 0.0),
-        };
+        let twist =
+            Twist3 { angular_radps: Vector3::new(0.1, -0.1, 1.5), linear_mps: Vector3::new(0.8, 0.1, 0.0) };
         let end = Pose3::identity().moved(Vector3::new(0.1, 0.2, 0.3), Vector3::new(3.0, -2.0, 0.5));
         let motion = SweepMotion::new(&end, &twist, 0.1);
         let point = Vector3::new(8.0_f32, -3.0, 1.0);
         for share in [0.0_f32, 0.003, 0.4, 0.77, 1.0] {
-            let exact = end
-                .compose(&twist.over((f64::from(share) - 1.0) * 0.1))
-                .transform(&point.map(f64::from));
+            let exact =
+                end.compose(&twist.over((f64::from(share) - 1.0) * 0.1)).transform(&point.map(f64::from));
             let found = motion.transform(&point, share).map(f64::from);
             assert!((found - exact).norm() < 2.0e-5, "{share}: {found} {exact}");
         }

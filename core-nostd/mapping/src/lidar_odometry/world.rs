@@ -47,7 +47,8 @@ impl Noise {
 fn cut(from: &Vector3<f64>, direction: &Vector3<f64>, [low, high]: &Cuboid) -> [f64; 2] {
     let mut span = [f64::NEG_INFINITY, f64::INFINITY];
     for axis in 0..3 {
-        let (a, b) = ((low[axis] - from[axis]) / direction[axis], (high[axis] - from[axis]) / direction[axis]);
+        let (a, b) =
+            ((low[axis] - from[axis]) / direction[axis], (high[axis] - from[axis]) / direction[axis]);
         span = [span[0].max(a.min(b)), span[1].min(a.max(b))];
     }
     span

@@ -165,7 +165,11 @@ fn conclude(arguments: &Map3dArguments, summary: &Map3dSummary, ended: Option<St
             summary.duration_s,
             summary.sweeps_mapped
         );
-        say!("  the last pose is {:.4} m and {:.3}° from the first", summary.displacement_m, summary.turned_deg);
+        say!(
+            "  the last pose is {:.4} m and {:.3}° from the first",
+            summary.displacement_m,
+            summary.turned_deg
+        );
         say!("  took {:.1} s, {:.2} ms a sweep", summary.took_s, summary.ms_per_sweep);
         summary.notes.iter().for_each(|note| say!("  note: {note}"));
         summary.doubts.iter().for_each(|doubt| say!("  doubt: {doubt}"));

@@ -44,7 +44,8 @@ pub fn pcd(points: &[CloudPoint]) -> Vec<u8> {
     let mut bytes = header.into_bytes();
     for point in points {
         let [x, y, z] = point.place_m.into();
-        bytes.extend([x, y, z, point.reflectivity, point.time_s].iter().flat_map(|value| value.to_le_bytes()));
+        bytes
+            .extend([x, y, z, point.reflectivity, point.time_s].iter().flat_map(|value| value.to_le_bytes()));
     }
     bytes
 }

@@ -43,7 +43,12 @@ impl Voxel {
 
     /// A return more, unless the cube has its `count_most`; the plane is computed again when the count has grown by half.
     /// `middle` is that of the cube.
-    pub(super) fn add(&mut self, point: &Vector3<f32>, (middle, edge_m): (&Vector3<f32>, f32), count_most: u16) {
+    pub(super) fn add(
+        &mut self,
+        point: &Vector3<f32>,
+        (middle, edge_m): (&Vector3<f32>, f32),
+        count_most: u16,
+    ) {
         let sums = &mut self.sums;
         if sums.count >= count_most {
             return;

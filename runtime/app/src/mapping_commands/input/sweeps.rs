@@ -74,9 +74,9 @@ pub fn count_sweeps(files: &[PathBuf]) -> u64 {
 
 fn begins(last: &mut Option<u16>, azimuth_cdeg: u16) -> bool {
     azimuth_cdeg < 36_000
-        && last.replace(azimuth_cdeg).is_some_and(|last| {
-            last > azimuth_cdeg && last - azimuth_cdeg > FALL_CDEG
-        })
+        && last
+            .replace(azimuth_cdeg)
+            .is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > FALL_CDEG)
 }
 
 /// Cuts the stream of one lidar.
