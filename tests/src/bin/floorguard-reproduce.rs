@@ -44,6 +44,7 @@ fn main() -> ExitCode {
         "environment" => floorguard_tests::environment::environment(trials, seed.unwrap_or(SEED), folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),
         "slam" => floorguard_tests::slam::slam(folder),
+        "slam3d" => floorguard_tests::slam::slam_in_space(folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
         "online-learning" => floorguard_tests::online::online_learning(trials, folder),
         other => {

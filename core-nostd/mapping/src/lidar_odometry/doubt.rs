@@ -18,7 +18,7 @@ pub(super) struct Doubt {
     distance_m: f64,
 }
 
-/// What a sweep told about the doubt.
+/// What a sweep saw and did not see.
 pub(super) struct Sight<'a> {
     pub(super) weakest: &'a Weakest,
     /// Share of the returns that no plane explained.

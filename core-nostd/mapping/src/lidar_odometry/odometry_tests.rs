@@ -139,7 +139,7 @@ fn doubt_grows_along_a_corridor_without_features() {
 }
 
 #[test]
-fn a_sweep_without_returns_is_a_prediction_in_doubt() {
+fn sweep_without_returns_is_a_doubtful_prediction() {
     let world = World::furnished();
     let mut odometry = odometry(OdometryConfig::default());
     let twists = std::vec![twist(0.5, 0.0); 6];

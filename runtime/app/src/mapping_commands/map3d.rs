@@ -34,7 +34,7 @@ struct Map3dSummary {
     sweeps_not_later: u64,
     /// Too few returns lay on the map: the pose is a prediction.
     sweeps_blind: u64,
-    /// The returns said nothing about one direction.
+    /// Returns without information about one direction.
     sweeps_held: u64,
     /// Entered into the map.
     sweeps_mapped: u64,

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn ply_has_a_row_of_23_bytes_a_point() {
+    fn ply_has_23_bytes_a_point() {
         let bytes = ply(&points(), Colour::Height);
         let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
         assert_eq!(bytes.len() - end, 3 * 23);
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn pcd_has_a_row_of_20_bytes_a_point() {
+    fn pcd_has_20_bytes_a_point() {
         let bytes = pcd(&points());
         let end = bytes.windows(12).position(|window| window == b"DATA binary\n").unwrap() + 12;
         assert_eq!(bytes.len() - end, 3 * 20);

@@ -41,6 +41,9 @@ enum Experiment {
     RgbdPeople,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
+    /// Simulated drives of a spinning lidar through two real floor plans: absolute errors beside those of other programs.
+    #[value(name = "slam3d")]
+    SlamInSpace,
     /// What a robot learns about people in new places, precision and recall over time; a trial is a minute.
     OnlineLearning,
 }
@@ -56,6 +59,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
         Experiment::Slam => ("slam", 1),
+        Experiment::SlamInSpace => ("slam3d", 1),
         Experiment::OnlineLearning => ("online-learning", 3),
         // Of fewer rooms the share of legs alone that are right is left to chance: 12 of 17 with 60.
         Experiment::RgbdPeople => ("rgbd-people", 400),

@@ -1,4 +1,4 @@
-//! Eigenvalues and eigenvectors of a symmetric 3×3 matrix by cyclic Jacobi rotations (Golub and Van Loan 2013, section 8.5).
+//! Eigenvalues and eigenvectors of a symmetric 3×3 matrix by cyclic Jacobi rotations (Golub et al. 2013, section 8.5).
 
 use nalgebra::{Matrix3, Vector3};
 
