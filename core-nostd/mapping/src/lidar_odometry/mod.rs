@@ -15,6 +15,7 @@ mod solve;
 mod sweep_motion;
 mod voxel_map;
 #[cfg(test)]
+#[path = "world_tests.rs"]
 mod world;
 
 pub use align::AlignConfig;

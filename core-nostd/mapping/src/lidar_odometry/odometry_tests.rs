@@ -165,3 +165,25 @@ fn a_level_floor_holds_height_and_tilt() {
     let deviation = end.covariance.fixed_view::<1, 1>(5, 5).x.sqrt();
     assert!(deviation < 0.021, "{deviation}");
 }
+
+/// One packet of each revolution is lost, each time another one.
+#[test]
+fn lost_packets_change_the_pose_by_millimetres() {
+    let world = World::furnished();
+    let (mut whole, mut holed) = (odometry(OdometryConfig::default()), odometry(OdometryConfig::default()));
+    let mut noise = Noise::new(3);
+    let mut pose = Pose3::identity();
+    for (index, twist) in (0_u16..).zip(round_trip()) {
+        if index > 0 {
+            pose = pose.compose(&twist.over(PERIOD_S));
+        }
+        let sweep = world.sweep(&pose, &twist, &mut noise);
+        let lost = f32::from(index * 37 % 75);
+        let kept = sweep.iter().filter(|each| libm::floorf(each.time_share * 75.0) != lost).copied();
+        let kept: Vec<_> = kept.collect();
+        assert!(kept.len() < sweep.len());
+        let without = holed.push(&kept, TIMES, &MotionAid::default()).state.pose.place_m;
+        let with = whole.push(&sweep, TIMES, &MotionAid::default()).state.pose.place_m;
+        assert!((with - without).norm() < 0.005, "{index}: {with} {without}");
+    }
+}

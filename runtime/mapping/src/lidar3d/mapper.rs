@@ -17,7 +17,7 @@ const RETURNS: usize = 8_192;
 pub struct Mapper3Config {
     /// Of the odometry.
     pub odometry: OdometryConfig,
-    /// Buckets of its map of planes, a power of two; each has eight cubes and takes 704 bytes.
+    /// Buckets of its map of planes, a power of two; each has eight cubes and takes 672 bytes.
     pub buckets: usize,
     /// Edge of a cube of the cloud, metres.
     pub cloud_m: f32,
