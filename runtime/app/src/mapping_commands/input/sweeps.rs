@@ -13,8 +13,8 @@ const HOUR_US: i64 = 3_600_000_000;
 /// A revolution begins where the azimuth falls by more than this, hundredths of a degree: a lidar that is set to a field of
 /// view falls by little.
 const FALL_CDEG: u16 = 1_000;
-/// A revolution with fewer returns than this share of the largest so far is a part.
-const PART: f64 = 0.5;
+/// The last revolution is a part if it has fewer returns than this share of the largest.
+const PART: f64 = 0.9;
 
 /// What was read.
 #[derive(Clone, Debug, Default)]
