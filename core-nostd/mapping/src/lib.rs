@@ -29,6 +29,7 @@ mod distance_field;
 mod distance_transform;
 pub mod environment;
 mod grid;
+pub mod lidar_odometry;
 pub mod match_field;
 mod occupancy;
 pub mod people_removal;

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::mapping_commands::{CleanArguments, LocaliseArguments, MapArguments};
+use crate::mapping_commands::{CleanArguments, LocaliseArguments, Map3dArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -86,6 +86,9 @@ pub enum Command {
     Train(super::TrainArguments),
     /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
     Map(MapArguments),
+    /// Map a building in space: a lidar capture becomes a trajectory and a cloud of surfaces.
+    #[command(name = "map3d")]
+    Map3d(Map3dArguments),
     /// Take what moved out of a lidar capture: clouds without people, and what was removed.
     CleanMap(CleanArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.

@@ -82,6 +82,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         #[cfg(feature = "laboratory")]
         Some(Command::Train(arguments)) => train::run(&arguments),
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
+        Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),

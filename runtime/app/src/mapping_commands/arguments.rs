@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::input::InputOptions;
+use crate::recordings::ModelArgument;
 
 /// Files of a drive, and which part of them.
 #[derive(Clone, Debug, Args)]
@@ -46,6 +47,48 @@ pub struct MapArguments {
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+/// What to map in space.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Example: floorguard map3d drive.pcap.gz --out maps/hall3d")]
+pub struct Map3dArguments {
+    /// Captures of a spinning lidar (.pcap, .pcapng), packed or not. Several are the parts of one drive, in their order.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The folder of the map; a former map in it is replaced once the new one is whole.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Which lidar made the captures.
+    #[arg(long, default_value = "auto")]
+    pub model: ModelArgument,
+    /// The lidar stands upright on a level floor: height, roll and pitch stay those of the first sweep.
+    #[arg(long)]
+    pub level_floor: bool,
+    /// Edge of a cube of the cloud, metres; each cube becomes one point.
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
+    pub cell_m: f64,
+    /// Farther returns are not used, metres.
+    #[arg(long, value_name = "M", default_value_t = 60.0, value_parser = range)]
+    pub range_m: f64,
+    /// What the colour of the cloud shows.
+    #[arg(long, default_value = "height")]
+    pub colour: ColourArgument,
+    /// The summary as one JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What the colour of a cloud shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ColourArgument {
+    /// Low blue, high red.
+    #[default]
+    Height,
+    /// Seen early blue, late red.
+    Time,
+    /// Dark to bright.
+    Reflectivity,
 }
 
 /// What to find in which map.

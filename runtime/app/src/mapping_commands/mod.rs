@@ -7,12 +7,14 @@ mod files;
 mod input;
 mod localise;
 mod map;
+mod map3d;
 mod progress;
 mod report;
 mod summary;
 
-pub use arguments::{DriveArguments, LocaliseArguments, MapArguments, SlamArguments};
+pub use arguments::{DriveArguments, LocaliseArguments, Map3dArguments, MapArguments, SlamArguments};
 pub use clean::{CleanArguments, run as clean_map};
 pub use eval_slam::run as eval_slam;
 pub use localise::run as localise;
 pub use map::run as map;
+pub use map3d::run as map3d;

@@ -236,3 +236,39 @@ fn mounting_of_a_bag_is_used() {
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     assert!(words(&output).contains("/scanner/scan"), "{output:?}");
 }
+
+/// A VLP-16 that stands in an office: it stays where it is, and its surfaces become a cloud that other programs read.
+#[test]
+fn standing_lidar_maps_its_office_in_space() {
+    let capture = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../../shared/data/vlp16_packets/einride_office_600rpm.pcap.gz");
+    if !capture.exists() {
+        let _ = writeln!(std::io::stderr(), "skipped: vlp16_packets is absent");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("office");
+    let output = floorguard(&["map3d", text(&capture), "--out", text(&out), "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let number = |name: &str| summary[name].as_f64().expect("a number");
+    // kiss-icp drifts by 0.2 to 1 cm here, small_gicp by 0.1 to 0.6 cm.
+    assert!(number("displacement_m") < 0.0015 && number("turned_deg") < 0.02, "{summary}");
+    assert_eq!((&summary["sweeps_blind"], &summary["packets"]), (&Value::from(0), &Value::from(1000)));
+    let poses = trajectory(&out.join("trajectory.tum"));
+    assert_eq!(summary["sweeps"], poses.len());
+    assert!(poses.windows(2).all(|pair| (pair[1].time_s - pair[0].time_s - 0.1).abs() < 0.01));
+    let cloud = std::fs::read(out.join("cloud.ply")).expect("a cloud");
+    let header = String::from_utf8_lossy(&cloud[..300]).into_owned();
+    assert!(header.contains(&format!("element vertex {}", summary["cloud_points"])), "{header}");
+    assert!(std::fs::read(out.join("cloud.pcd")).expect("a cloud").starts_with(b"# .PCD v0.7"));
+    // The same again gives the same bytes; what is no capture is bad input, a foreign folder wrong usage.
+    let again = folder.path().join("again");
+    assert_eq!(floorguard(&["map3d", text(&capture), "--out", text(&again)]).status.code(), Some(0));
+    assert!(cloud == std::fs::read(again.join("cloud.ply")).expect("a cloud"));
+    let words_only = folder.path().join("words.txt");
+    std::fs::write(&words_only, "words").expect("written");
+    let code = |arguments: &[&str]| floorguard(arguments).status.code();
+    assert_eq!(code(&["map3d", text(&words_only), "--out", text(&out)]), Some(3));
+    assert_eq!(code(&["map3d", text(&capture), "--out", text(folder.path())]), Some(2));
+}

@@ -62,6 +62,19 @@ pub fn write_tum(trajectory: &[(f64, Se2)]) -> String {
     text
 }
 
+/// A trajectory in space as text, times with microseconds.
+#[must_use]
+pub fn write_tum_in_space(trajectory: &[TimedPose]) -> String {
+    let mut text = String::from("# time_s x_m y_m z_m qx qy qz qw\n");
+    for TimedPose { time_s, place_m, rotation } in trajectory {
+        let [x, y, z, w] = rotation.coords.into();
+        let place = format_args!("{:.6} {:.6} {:.6}", place_m.x, place_m.y, place_m.z);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{time_s:.6} {place} {x:.9} {y:.9} {z:.9} {w:.9}");
+    }
+    text
+}
+
 impl TimedPose {
     /// On the floor: place and heading.
     #[must_use]

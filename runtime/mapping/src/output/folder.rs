@@ -12,6 +12,9 @@ use super::files::OutputFile;
 /// This file marks a folder as ours: a folder with files but without it is never replaced.
 pub const MARKER: &str = "map.yaml";
 
+/// The same of a map in space.
+pub const MARKER_3D: &str = "map3d.json";
+
 /// Why a folder was not written. The former one is untouched.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplaceError {
@@ -42,7 +45,7 @@ pub fn check_place(folder: &Path) -> Result<(), ReplaceError> {
         return Err(ReplaceError::NoPlace(folder.to_owned()));
     }
     let is_empty = fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-    if is_empty || folder.join(MARKER).is_file() {
+    if is_empty || [MARKER, MARKER_3D].iter().any(|marker| folder.join(marker).is_file()) {
         Ok(())
     } else {
         Err(ReplaceError::Foreign(folder.to_owned()))

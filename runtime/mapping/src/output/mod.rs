@@ -10,7 +10,7 @@ mod top_view;
 
 pub use cloud::{cloud_pcd, cloud_ply};
 pub use files::{OutputFile, map_files};
-pub use folder::{MARKER, ReplaceError, check_place, replace_folder};
+pub use folder::{MARKER, MARKER_3D, ReplaceError, check_place, replace_folder};
 pub use map_server::{pgm, yaml};
 pub use picture::{Picture, draw};
 pub use submaps::{SubMap, SubMapConfig, index_text, sub_maps};

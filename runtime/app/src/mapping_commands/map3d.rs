@@ -1,0 +1,195 @@
+//! `floorguard map3d`: lidar captures become a trajectory and a cloud of surfaces in space.
+
+use std::time::Instant;
+
+use floorguard_host::outcome::{BadInput, VerdictFailed, WrongUsage};
+use floorguard_host::words::counted;
+use floorguard_mapping::lidar_odometry::{FloorPrior, MotionAid, OdometryConfig};
+use floorguard_mapping_host::lidar3d::{Colour, Mapper3, Mapper3Config, pcd, ply};
+use floorguard_mapping_host::metrics::write_tum_in_space;
+use floorguard_mapping_host::output::{MARKER_3D, OutputFile, check_place, replace_folder};
+use serde::Serialize;
+
+use super::arguments::{ColourArgument, Map3dArguments};
+use super::input::{SweepsRead, count_sweeps, read_sweeps};
+use super::progress::Progress;
+
+/// More sweeps than this share without a match, and the map is in doubt.
+const BLIND_SHARE_MAX: f64 = 0.02;
+/// More sweeps than this share with a direction that the prediction alone held, and the map is in doubt.
+const HELD_SHARE_MAX: f64 = 0.10;
+/// Cubes of the cloud with fewer returns are noise.
+const RETURNS_LEAST: u32 = 2;
+
+/// What came of it; field names say the units.
+#[derive(Clone, Debug, Serialize)]
+struct Map3dSummary {
+    /// `good` or `doubtful`.
+    verdict: &'static str,
+    doubts: Vec<String>,
+    notes: Vec<String>,
+    packets: u64,
+    packets_refused: u64,
+    sweeps: u64,
+    sweeps_not_later: u64,
+    /// Too few returns lay on the map: the pose is a prediction.
+    sweeps_blind: u64,
+    /// Returns without information about one direction.
+    sweeps_held: u64,
+    /// Entered into the map.
+    sweeps_mapped: u64,
+    duration_s: f64,
+    path_m: f64,
+    /// From the first pose to the last.
+    displacement_m: f64,
+    turned_deg: f64,
+    cloud_points: usize,
+    /// Cubes of the map of planes, and those given up because their place was taken.
+    cubes: u32,
+    cubes_replaced: u32,
+    took_s: f64,
+    ms_per_sweep: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, a folder that cannot take a map, or a map that is in doubt (it is written all the same).
+pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
+    check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
+    let began = Instant::now();
+    let mut mapper = Mapper3::new(config(arguments));
+    let progress = Progress::new(count_sweeps(&arguments.files));
+    let mut worked_s = 0.0;
+    let read = read_sweeps(&arguments.files, arguments.model.choice(), &mut |sweep| {
+        progress.count();
+        let start = Instant::now();
+        mapper.push(sweep, &MotionAid::default());
+        worked_s += start.elapsed().as_secs_f64();
+        Ok(())
+    });
+    progress.finish();
+    let read = read?;
+    mapper.finish();
+    if mapper.trajectory.is_empty() {
+        return Err(BadInput("no whole revolution in it: nothing to map".to_owned()).into());
+    }
+    let points = mapper.cloud.points(if mapper.counters.mapped > 1 { RETURNS_LEAST } else { 1 });
+    let mut summary = summarise(&mapper, &read, points.len());
+    (summary.took_s, summary.ms_per_sweep) =
+        (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / mapper.counters.sweeps.max(1) as f64);
+    let files = [
+        OutputFile::new("trajectory.tum", write_tum_in_space(&mapper.trajectory)),
+        OutputFile::new("cloud.ply", ply(&points, arguments.colour.into())),
+        OutputFile::new("cloud.pcd", pcd(&points)),
+        OutputFile::new(MARKER_3D, serde_json::to_string_pretty(&summary)? + "\n"),
+    ];
+    replace_folder(&arguments.out, &files).map_err(|error| BadInput(error.to_string()))?;
+    conclude(arguments, &summary, read.ended)
+}
+
+fn config(arguments: &Map3dArguments) -> Mapper3Config {
+    let mut odometry = OdometryConfig::default();
+    odometry.averaging.range_most_m = arguments.range_m as f32;
+    odometry.floor = arguments.level_floor.then(FloorPrior::default);
+    Mapper3Config { odometry, cloud_m: arguments.cell_m as f32, ..Mapper3Config::default() }
+}
+
+fn summarise(mapper: &Mapper3, read: &SweepsRead, cloud_points: usize) -> Map3dSummary {
+    let trajectory = &mapper.trajectory;
+    let path = trajectory.windows(2).map(|pair| (pair[1].place_m - pair[0].place_m).norm());
+    let ends = trajectory.first().zip(trajectory.last());
+    let counters = mapper.counters;
+    let [cubes, cubes_replaced] = mapper.cubes();
+    let mut summary = Map3dSummary {
+        verdict: "good",
+        doubts: Vec::new(),
+        notes: Vec::new(),
+        packets: read.packets,
+        packets_refused: read.refused,
+        sweeps: counters.sweeps,
+        sweeps_not_later: counters.not_later,
+        sweeps_blind: counters.blind,
+        sweeps_held: counters.held,
+        sweeps_mapped: counters.mapped,
+        duration_s: ends.map_or(0.0, |(first, last)| last.time_s - first.time_s),
+        path_m: path.sum(),
+        displacement_m: ends.map_or(0.0, |(first, last)| (last.place_m - first.place_m).norm()),
+        turned_deg: ends.map_or(0.0, |(first, last)| first.rotation.angle_to(&last.rotation).to_degrees()),
+        cloud_points,
+        cubes,
+        cubes_replaced,
+        took_s: 0.0,
+        ms_per_sweep: 0.0,
+    };
+    summary.judge(read);
+    summary
+}
+
+impl Map3dSummary {
+    fn judge(&mut self, read: &SweepsRead) {
+        let share = |part: u64| part as f64 / self.sweeps.max(1) as f64;
+        let mut doubts = Vec::new();
+        if share(self.sweeps_blind) > BLIND_SHARE_MAX {
+            let what = "sweeps hardly fit what was seen before: their poses are predictions";
+            doubts.push(format!("{} of {} {what}", self.sweeps_blind, self.sweeps));
+        }
+        if share(self.sweeps_held) > HELD_SHARE_MAX {
+            let what = "sweeps say nothing about one direction (a corridor, a hall, a glass front)";
+            doubts.push(format!("{} of {} {what}", self.sweeps_held, self.sweeps));
+        }
+        if !doubts.is_empty() {
+            self.verdict = "doubtful";
+        }
+        self.doubts = doubts;
+        if self.packets_refused > 0 {
+            self.notes.push(format!("{} packets were refused", self.packets_refused));
+        }
+        if self.cubes_replaced > 0 {
+            let what = "cubes of the map of planes were given up for others";
+            self.notes.push(format!("{} {what}", self.cubes_replaced));
+        }
+        self.notes.extend(read.ended.iter().map(|why| format!("{why}; everything before is in the map")));
+    }
+}
+
+fn conclude(arguments: &Map3dArguments, summary: &Map3dSummary, ended: Option<String>) -> anyhow::Result<()> {
+    if arguments.json {
+        tell!("{}", serde_json::to_string(summary)?)?;
+    } else {
+        say!("map: {} ({} points)", arguments.out.display(), summary.cloud_points);
+        say!(
+            "  {} over {:.2} m in {:.1} s; {} entered the map",
+            counted(summary.sweeps, "sweep"),
+            summary.path_m,
+            summary.duration_s,
+            summary.sweeps_mapped
+        );
+        say!(
+            "  the last pose is {:.4} m and {:.3}° from the first",
+            summary.displacement_m,
+            summary.turned_deg
+        );
+        say!("  took {:.1} s, {:.2} ms a sweep", summary.took_s, summary.ms_per_sweep);
+        summary.notes.iter().for_each(|note| say!("  note: {note}"));
+        summary.doubts.iter().for_each(|doubt| say!("  doubt: {doubt}"));
+        say!("  look at {}", arguments.out.join("cloud.ply").display());
+    }
+    match ended {
+        Some(why) => Err(BadInput(format!("{why}; everything before is in the map")).into()),
+        None if !summary.doubts.is_empty() => {
+            Err(VerdictFailed(format!("the map is doubtful: {}", summary.doubts.join("; "))).into())
+        }
+        None => Ok(()),
+    }
+}
+
+impl From<ColourArgument> for Colour {
+    fn from(colour: ColourArgument) -> Self {
+        match colour {
+            ColourArgument::Height => Self::Height,
+            ColourArgument::Time => Self::Time,
+            ColourArgument::Reflectivity => Self::Reflectivity,
+        }
+    }
+}
