@@ -5,8 +5,11 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use floorguard_guard::Thresholds;
-use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
+use floorguard_guard::{Thresholds, UnseenLimits};
+use floorguard_runtime::configuration::{
+    BaseKind, Deadlines, Geometry, ImuConfiguration, LidarConfiguration, Limits, RobotConfiguration,
+    ScannerConfiguration,
+};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
@@ -14,9 +17,9 @@ use toml::de::DeTable;
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::base::read_drives;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
-use super::command::{CommandConfiguration, read_command};
+use super::command::{CommandAddress, CommandConfiguration, read_command};
 use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
-use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scanner};
+use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
@@ -31,6 +34,8 @@ pub struct Carriers {
     pub lidar: Option<DatagramAddress>,
     /// Safety scanner.
     pub scanner: ScannerAddress,
+    /// Second safety scanner; a robot can do without.
+    pub rear_scanner: Option<SerialAddress>,
     /// Inertial measurement unit.
     pub imu: Option<SerialAddress>,
     /// CAN bus, of a robot whose drives are on one.
@@ -77,6 +82,9 @@ impl HostedConfiguration {
 const NO_SCANNER: &str = "the safety scanner is the protection that sees feet and children in time, and stops the robot when all \
     else fails: no robot drives without; add the section";
 
+/// Scan planes whose heights differ by more are not one, metres.
+const SAME_PLANE_M: f32 = 0.01;
+
 /// Reads and checks a file.
 ///
 /// # Errors
@@ -113,9 +121,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let geometry = read_geometry(top.section("robot"), base);
     let limits = read_limits(top.section("limits"));
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
-    let lidar = top.optional_section("lidar").map(read_lidar);
-    let scanner = read_scanner(top.section_because("scanner", NO_SCANNER));
-    let imu = top.optional_section("imu").map(read_imu);
+    let sensors = Sensors::read(&top);
     let camera = top.optional_section("camera").map(read_camera);
     let (thresholds, accepted_gaps) = optional(&top, "guard", read_thresholds);
     let drives = read_drives(&top);
@@ -125,20 +131,16 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
-    if let (Some((_, scanner)), Some(drives)) = (&scanner, &drives) {
-        let lidar = lidar.as_ref().and_then(Option::as_ref).map(|(_, port)| port);
-        let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
+    if let Some(drives) = &drives {
         let command = command.as_ref().map(|command| &command.address);
-        check_addresses(
-            &top,
-            &Addresses { lidar, scanner, imu, can: drives.can(), base: drives.base(), command },
-        );
+        sensors.check(&top, (drives.can(), drives.base(), command));
     }
     top.finish();
-    let (lidar, lidar_address) = fitted(lidar)?;
-    let (scanner, scanner_address) = scanner?;
+    let (lidar, lidar_address) = fitted(sensors.lidar)?;
+    let (scanner, scanner_address) = sensors.scanner?;
+    let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
-    let (imu, imu_address) = fitted(imu)?;
+    let (imu, imu_address) = fitted(sensors.imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
@@ -148,16 +150,19 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             has_lidar: lidar.is_some(),
             lidar: lidar.unwrap_or_default(),
             scanner,
+            rear_scanner,
             imu,
             can,
             fields,
             route,
             route_limits,
             thresholds,
+            unseen: UnseenLimits::NONE,
         },
         carriers: Carriers {
             lidar: lidar_address,
             scanner: scanner_address,
+            rear_scanner: rear_scanner_address,
             imu: imu_address,
             can: can_address,
             base: base_address,
@@ -171,13 +176,70 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     })
 }
 
+/// A device of a section, with its address; `None`: it is wrong.
+type Read<C, A> = Option<(C, A)>;
+
+/// The sensors that the guard listens to, as far as they were read.
+struct Sensors {
+    lidar: Option<Read<LidarConfiguration, DatagramAddress>>,
+    scanner: Read<ScannerConfiguration, ScannerAddress>,
+    rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
+    imu: Option<Read<ImuConfiguration, SerialAddress>>,
+}
+
+impl Sensors {
+    fn read(top: &Reader<'_>) -> Self {
+        Self {
+            lidar: top.optional_section("lidar").map(read_lidar),
+            scanner: read_scanner(top.section_because("scanner", NO_SCANNER)),
+            rear_scanner: top.optional_section("rear_scanner").map(read_rear_scanner),
+            imu: top.optional_section("imu").map(read_imu),
+        }
+    }
+
+    /// What two devices cannot share, and what two scanners must.
+    fn check(
+        &self,
+        top: &Reader<'_>,
+        (can, base, command): (Option<&CanAddress>, Option<&BaseAddress>, Option<&CommandAddress>),
+    ) {
+        let Some((first, scanner)) = &self.scanner else { return };
+        let (lidar, imu) = (address_of(&self.lidar), address_of(&self.imu));
+        let rear_scanner = address_of(&self.rear_scanner);
+        check_addresses(top, &Addresses { lidar, scanner, rear_scanner, imu, can, base, command });
+        let rear = self.rear_scanner.as_ref().and_then(Option::as_ref);
+        check_planes(top, first, rear.map(|(scanner, _)| scanner));
+    }
+}
+
 /// What a section says, or what stands for it where it is missing.
 fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
     top.optional_section(name).map_or_else(T::default, read)
 }
 
+/// Where such a device is, if it was read.
+fn address_of<C, A>(read: &Option<Read<C, A>>) -> Option<&A> {
+    read.as_ref().and_then(Option::as_ref).map(|(_, address)| address)
+}
+
+/// Both scanners look along one plane: what either meets, the other clears when it looks through its place.
+fn check_planes(top: &Reader<'_>, first: &ScannerConfiguration, rear: Option<&ScannerConfiguration>) {
+    let height_m = |scanner: &ScannerConfiguration| scanner.mounting.position.z_m;
+    let is_other = |rear: &&ScannerConfiguration| (height_m(rear) - height_m(first)).abs() > SAME_PLANE_M;
+    let Some(rear) = rear.filter(is_other) else { return };
+    top.refuse(
+        &top.find("rear_scanner").map_or(0..0, |value| value.span()),
+        format!(
+            "[rear_scanner]: its scan plane is {} m high, that of [scanner] {} m: the one would look over what the other has met",
+            height_m(rear),
+            height_m(first)
+        ),
+        "mount both at the same height",
+    );
+}
+
 /// A device that a robot can do without: none if its section is missing, refused if it is wrong.
-fn fitted<C, A>(read: Option<Option<(C, A)>>) -> Option<(Option<C>, Option<A>)> {
+fn fitted<C, A>(read: Option<Read<C, A>>) -> Option<(Option<C>, Option<A>)> {
     read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
 }
 
@@ -215,8 +277,11 @@ fn read_limits(section: Reader<'_>) -> Limits {
 fn read_deadlines(section: Reader<'_>) -> Deadlines {
     // Microseconds are exact for every value that passes the range check.
     let micros = |key, longest_s| (section.number(key, 0.02..=longest_s) * 1.0e6) as u64;
+    let scanner_us = micros("scanner_s", 0.3);
+    let rear_s = section.number_or("rear_scanner_s", 0.02..=0.3, scanner_us as f32 * 1.0e-6);
     let deadlines = Deadlines {
-        scanner_us: micros("scanner_s", 0.3),
+        scanner_us,
+        rear_scanner_us: (rear_s * 1.0e6) as u64,
         lidar_us: micros("lidar_s", 0.5),
         odometry_us: micros("odometry_s", 0.2),
         command_us: micros("command_s", 0.5),

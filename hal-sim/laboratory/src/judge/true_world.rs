@@ -113,6 +113,16 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         sees_holes: false,
         beams_min: 2,
     };
+    let rear_scanner = parameters.rear_scanner.map(|mount| judge::Sensor {
+        name: "rear scanner".to_owned(),
+        at_m: [mount.x_m, mount.y_m, mount.z_m],
+        yaw_rad: mount.yaw_rad,
+        view: judge::SensorView::Plane {
+            half_angle_rad: 135.0_f32.to_radians(),
+            step_rad: 0.5_f32.to_radians(),
+        },
+        ..scanner.clone()
+    });
     let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
     let lidar = judge::Sensor {
         name: "lidar".to_owned(),
@@ -149,7 +159,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
     });
     let switches: Vec<judge::Sensor> = switches.collect();
     let camera = has_camera.then_some(camera);
-    [scanner, lidar].into_iter().chain(camera).chain(switches).collect()
+    [scanner, lidar].into_iter().chain(rear_scanner).chain(camera).chain(switches).collect()
 }
 
 /// A person as it is.

@@ -107,7 +107,8 @@ impl Coverage {
     #[must_use]
     pub fn of(robot: &RobotConfiguration, camera: Option<&CameraConfiguration>) -> Self {
         let guard = robot.guard();
-        let rays = match SensorRays::of(&guard, &robot.scanner, camera) {
+        let scanners: Vec<_> = [robot.scanner].into_iter().chain(robot.rear_scanner).collect();
+        let rays = match SensorRays::of(&guard, &scanners, camera) {
             rays if robot.has_lidar => rays,
             rays => rays.without_lidar(),
         };
