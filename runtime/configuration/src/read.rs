@@ -18,7 +18,9 @@ use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, S
 use super::base::read_drives;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
 use super::command::{CommandAddress, CommandConfiguration, read_command};
-use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
+use super::coverage::{
+    Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
+};
 use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
@@ -61,6 +63,8 @@ pub struct HostedConfiguration {
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
     pub accepted_gaps: Vec<AcceptedGap>,
+    /// Those of them that are accepted up to a speed.
+    pub gap_speeds: Vec<GapSpeed>,
     /// Who drives it from outside; without it, it drives itself.
     pub command: Option<CommandConfiguration>,
 }
@@ -70,11 +74,28 @@ impl HostedConfiguration {
     /// where the file accepts all of it by name.
     #[must_use]
     pub fn coverage(&self) -> (Coverage, Vec<Refusal>) {
-        // Recorded pictures show nothing of what is there.
-        let is_there = |camera: &&CameraConfiguration| matches!(camera.source, CameraSource::Devices { .. });
-        let coverage = Coverage::of(&self.robot, self.carriers.camera.as_ref().filter(is_there));
+        let coverage = self.sight();
         let refusals = coverage.refusals(&self.accepted_gaps);
         (coverage, refusals)
+    }
+
+    fn sight(&self) -> Coverage {
+        // Recorded pictures show nothing of what is there.
+        let is_there = |camera: &&CameraConfiguration| matches!(camera.source, CameraSource::Devices { .. });
+        Coverage::of(&self.robot, self.carriers.camera.as_ref().filter(is_there))
+    }
+
+    /// Directions that are slower for what no sensor sees, each with the gap that costs it most (FG-REQ-063).
+    #[must_use]
+    pub fn direction_limits(&self, coverage: &Coverage) -> Vec<DirectionLimit> {
+        coverage.limits(&self.gap_speeds)
+    }
+
+    /// The guard gets the limits by direction.
+    fn limit_unseen(&mut self) {
+        let slower = !self.gap_speeds.is_empty();
+        let limits = if slower { self.direction_limits(&self.sight()) } else { Vec::new() };
+        self.robot.unseen = unseen_limits(&self.robot, &limits);
     }
 }
 
@@ -111,7 +132,10 @@ pub fn parse(file: &str, text: &str) -> Result<HostedConfiguration, Refused> {
     let configuration = read_top(top);
     let problems = problems.into_inner();
     match configuration {
-        Some(configuration) if problems.is_empty() => Ok(configuration),
+        Some(mut configuration) if problems.is_empty() => {
+            configuration.limit_unseen();
+            Ok(configuration)
+        }
         _ => Err(Refused::new(file, text, problems)),
     }
 }
@@ -123,7 +147,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
     let sensors = Sensors::read(&top);
     let camera = top.optional_section("camera").map(read_camera);
-    let (thresholds, accepted_gaps) = optional(&top, "guard", read_thresholds);
+    let (thresholds, accepted) = optional(&top, "guard", read_thresholds);
     let drives = read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
@@ -171,7 +195,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         mission,
         navigation,
         learning,
-        accepted_gaps,
+        accepted_gaps: accepted.gaps,
+        gap_speeds: accepted.speeds,
         command,
     })
 }
@@ -292,7 +317,7 @@ fn read_deadlines(section: Reader<'_>) -> Deadlines {
 
 /// The guard's thresholds that a site may want to change, and the gaps of the sensors that it accepts; the other thresholds follow from
 /// the standards.
-fn read_thresholds(section: Reader<'_>) -> (Thresholds, Vec<AcceptedGap>) {
+fn read_thresholds(section: Reader<'_>) -> (Thresholds, Accepted) {
     let defaults = Thresholds::default();
     let thresholds = Thresholds {
         warning_speed_mps: section.number_or("warning_speed_mps", 0.05..=0.5, defaults.warning_speed_mps),

@@ -7,7 +7,7 @@ use floorguard_types::geometry::{Point2, Point3, Transform3};
 use crate::camera::CameraConfiguration;
 
 /// The protective field of a safety scanner ends here for black clothes, metres (book, Coverage of the sensors).
-const SCANNER_RANGE_M: [f32; 2] = [0.05, 3.0];
+pub(super) const SCANNER_RANGE_M: [f32; 2] = [0.05, 3.0];
 /// The lidar measures nothing nearer, metres, and the memory keeps nothing farther.
 const LIDAR_RANGE_M: [f32; 2] = [0.46, 10.0];
 /// A depth camera tells an object from the floor between these distances, metres.

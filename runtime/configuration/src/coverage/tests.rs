@@ -123,3 +123,17 @@ fn fg_req_062_fewest_holes_names_what_remains() {
     let without = super::Coverage::of(&configuration.robot, None).refusals(&configuration.accepted_gaps);
     assert!(without.iter().any(|refusal| refusal.to_string().contains("\"front below")), "{without:?}");
 }
+
+#[test]
+fn zz_print() {
+    for text in [EXAMPLE, include_str!("../../../../examples/fewest-holes.toml")] {
+        let configuration = read(text);
+        let (coverage, refused) = configuration.coverage();
+        eprintln!("{:?}", configuration.robot.unseen);
+        for gap in &coverage.gaps {
+            eprintln!("{} {:.2} {:?}", gap.gap, gap.reached_mps(), gap.around_m);
+            for m in &gap.motions { eprintln!("   {:?} reached {:.2} share {:.2} free {:.2} fastest {:.2} first {:?}", m.motion, m.reached_mps, m.body_share, m.free_mps, m.fastest_mps, m.steps.first()); }
+        }
+        for r in refused { eprintln!("{r}"); }
+    }
+}
