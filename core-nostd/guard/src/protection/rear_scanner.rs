@@ -6,7 +6,7 @@ use super::local_memory::LocalMemory;
 use super::scan_table::ScanTable;
 use floorguard_types::sensing::Scan;
 
-/// A second safety scanner, mounted as high as the first one: both clear what either has met.
+/// A second safety scanner, mounted as high as the first one: both clear what either has met (FG-REQ-029).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RearScanner {
     /// Where its beams leave the fields.

@@ -8,6 +8,8 @@ mod fault_phase;
 mod removal;
 #[cfg(test)]
 mod removal_tests;
+#[cfg(test)]
+mod rear_tests;
 mod single_faults;
 mod summary;
 
