@@ -8,8 +8,8 @@ use super::state::State;
 use crate::protection::ResetReport;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
-    Integrity, LidarRays, LocalMemory, PacketTable, RearScanner, ScanTable, SeenBeside, Source,
-    SourceReport, Unit, fastest_mps,
+    Integrity, LidarRays, LocalMemory, PacketTable, RearScanner, ScanTable, SeenBeside, Source, SourceReport,
+    Unit, fastest_mps,
 };
 use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;

@@ -174,7 +174,9 @@ impl Simulation {
 
     /// The second scanner, if its beams are due.
     fn look_behind(&mut self, at_us: u64) {
-        let (Some(mount), Some(scanner)) = (self.parameters.rear_scanner, &mut self.rear_scanner) else { return };
+        let (Some(mount), Some(scanner)) = (self.parameters.rear_scanner, &mut self.rear_scanner) else {
+            return;
+        };
         if scanner.due_us() != at_us {
             return;
         }

@@ -72,7 +72,9 @@ pub fn bake(robot: &RobotConfiguration) -> String {
 /// A program for a board is not compiled with a second one: there is no room for its table.
 fn rear_scanner(robot: &RobotConfiguration) -> &'static str {
     match robot.rear_scanner {
-        Some(_) => "compile_error!(\"[rear_scanner]: a microcontroller has no room for a second safety scanner\")",
+        Some(_) => {
+            "compile_error!(\"[rear_scanner]: a microcontroller has no room for a second safety scanner\")"
+        }
         None => "None",
     }
 }

@@ -25,7 +25,10 @@ pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, Send
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
-pub use coverage::{AcceptedGap, BAR_M, Coverage, Direction, DirectionLimit, Gap, GapMotion, GapSpeed, HEIGHTS_M, Motion, Refusal, Region, SensorGap, Sight, SpeedStep, Unseen};
+pub use coverage::{
+    AcceptedGap, BAR_M, Coverage, Direction, DirectionLimit, Gap, GapMotion, GapSpeed, HEIGHTS_M, Motion,
+    Refusal, Region, SensorGap, Sight, SpeedStep, Unseen,
+};
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};

@@ -146,7 +146,8 @@ impl RobotConfiguration {
 
     fn source_rules(&self) -> [SourceRules; Source::COUNT] {
         let mut rules = GuardConfig::default_sources();
-        if let Some(rule) = rules.get_mut(Source::RearScanner.index()).filter(|_| self.rear_scanner.is_some()) {
+        if let Some(rule) = rules.get_mut(Source::RearScanner.index()).filter(|_| self.rear_scanner.is_some())
+        {
             *rule = GuardConfig::RULES_OF_SCANNER;
         }
         let mut stop_after = |source: Source, stop_us: u64| {

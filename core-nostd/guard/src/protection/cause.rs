@@ -6,7 +6,8 @@ use super::source::Source;
 use floorguard_types::capacities::REAR_SCANNERS_MAX;
 
 /// How many causes there are, counting each source's two.
-pub const CAUSES: usize = PLAIN.len() + 2 * Source::FIRST + LATER.len() - NOT_ON_BOARDS + 2 * REAR_SCANNERS_MAX;
+pub const CAUSES: usize =
+    PLAIN.len() + 2 * Source::FIRST + LATER.len() - NOT_ON_BOARDS + 2 * REAR_SCANNERS_MAX;
 
 /// Why the guard objects.
 ///

@@ -49,8 +49,7 @@ impl Integrity {
     pub fn check_next(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);
-        let configured = part != 0
-            || (self.config == *config && self.body == body && is_of(tables, config));
+        let configured = part != 0 || (self.config == *config && self.body == body && is_of(tables, config));
         configured && self.sums.get(part).copied() == Some(sum_of(part, tables))
     }
 }
@@ -60,7 +59,8 @@ type Tables<'a> = ((&'a ScanTable, &'a [RearScanner]), &'a PacketTable, &'a Lida
 
 /// The scanners' tables have the geometry that is configured.
 fn is_of(((scan, rear), _, _): Tables<'_>, config: &GuardConfig) -> bool {
-    let is_rear = |rear: &RearScanner| config.rear_scanner.is_none_or(|geometry| geometry == rear.table.geometry);
+    let is_rear =
+        |rear: &RearScanner| config.rear_scanner.is_none_or(|geometry| geometry == rear.table.geometry);
     config.scanner == scan.geometry && rear.iter().all(is_rear)
 }
 

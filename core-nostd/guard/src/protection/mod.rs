@@ -64,5 +64,5 @@ pub use standstill::{CREEP_M, Creep};
 pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };
-pub use unseen_limits::{SeenBeside, UnseenLimits};
 pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};
+pub use unseen_limits::{SeenBeside, UnseenLimits};

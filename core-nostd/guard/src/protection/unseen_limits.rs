@@ -1,8 +1,8 @@
 //! How fast the body may go where no sensor sees all of what it goes into: a limit by direction, computed from the coverage of the
 //! sensors when the robot is configured (book, Coverage of the sensors: What a hole costs).
 
-use super::swept_outline::BEND_PER_M;
 use super::sweep::fastest_mps;
+use super::swept_outline::BEND_PER_M;
 use floorguard_types::geometry::{Point2, Twist2};
 
 /// Slower than this the robot turns on the spot, m/s.

@@ -83,11 +83,7 @@ pub fn scan(stamp: Stamp, sequence: u32, obstacles: &[Point2]) -> Scan {
 }
 
 /// The same of any scanner; what lies outside of its view is not met.
-pub fn scan_of(
-    geometry: &ScannerGeometry,
-    (stamp, sequence): (Stamp, u32),
-    obstacles: &[Point2],
-) -> Scan {
+pub fn scan_of(geometry: &ScannerGeometry, (stamp, sequence): (Stamp, u32), obstacles: &[Point2]) -> Scan {
     let mut beams: Vec<BeamReturn, { floorguard_types::capacities::SCAN_BEAMS_MAX }> =
         (0..geometry.beams).map(|_| BeamReturn::Free(30_000)).collect();
     for point in obstacles {

@@ -230,8 +230,7 @@ fn fg_req_017_every_part_of_the_rear_table_is_checked() {
 fn fg_req_017_every_part_of_the_tables_is_checked() {
     let config = config();
     let body = Body::around(&config.footprint);
-    let (scan, packet) = tables(&config);
-    let rear = [rear_table()];
+    let ((scan, packet), rear) = (tables(&config), [rear_table()]);
     let mut rays = LidarRays::NONE;
     rays.fill(&config.lidar);
     let fresh = || {
@@ -239,7 +238,9 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
         integrity.remember(&config, body, ((&scan, &rear), &packet, &rays));
         integrity
     };
-    let noticed = |config: &GuardConfig, body: Body, tables: ((&ScanTable, &[RearScanner]), &PacketTable, &LidarRays)| {
+    let noticed = |config: &GuardConfig,
+                   body: Body,
+                   tables: ((&ScanTable, &[RearScanner]), &PacketTable, &LidarRays)| {
         let mut integrity = fresh();
         (0..PARTS).filter(|_| !integrity.check_next(config, body, tables)).count()
     };

@@ -5,11 +5,11 @@ mod encounters;
 mod fault_class;
 mod fault_matrix;
 mod fault_phase;
+#[cfg(test)]
+mod rear_tests;
 mod removal;
 #[cfg(test)]
 mod removal_tests;
-#[cfg(test)]
-mod rear_tests;
 mod single_faults;
 mod summary;
 

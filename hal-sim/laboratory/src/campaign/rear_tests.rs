@@ -31,7 +31,8 @@ fn plan_with_two_scanners(world: &str) -> Plan {
 }
 
 fn verdict(plan: &Plan) -> Verdict {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build().expect("a thread");
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(1).stack_size(STACK_BYTES).build().expect("a thread");
     let seen = pool.install(|| watched(plan));
     seen.unwrap_or_else(|error| panic!("{}: {error:#}", plan.name)).verdict
 }
@@ -76,7 +77,11 @@ fn fg_req_064_unknown_rear_is_touched_slowly() {
 /// Low boxes ahead are accepted at 0.2 m/s: a robot without the limit meets them faster.
 #[test]
 fn fg_req_063_low_box_is_touched_at_the_accepted_speed() {
-    let accepted = floorguard_configuration::EXAMPLE.replacen("front below 0.16 m\"", "front below 0.16 m at 0.20 m/s\"", 1);
+    let accepted = floorguard_configuration::EXAMPLE.replacen(
+        "front below 0.16 m\"",
+        "front below 0.16 m at 0.20 m/s\"",
+        1,
+    );
     let robot = parse("robot.toml", &accepted).unwrap_or_else(|refused| panic!("{refused}")).robot;
     let mut limited = plan("low-box-8");
     limited.duration_us = 26_000_000;

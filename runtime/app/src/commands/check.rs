@@ -67,7 +67,11 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
         if is_good { "good" } else { "read" },
         robot.fields.len(),
         lidar(configuration),
-        [scanner(robot.scanner.model)].into_iter().chain(robot.rear_scanner.map(|rear| format!("rear scanner {}", scanner(rear.model)))).collect::<Vec<_>>().join(", "),
+        [scanner(robot.scanner.model)]
+            .into_iter()
+            .chain(robot.rear_scanner.map(|rear| format!("rear scanner {}", scanner(rear.model))))
+            .collect::<Vec<_>>()
+            .join(", "),
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );

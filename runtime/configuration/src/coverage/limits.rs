@@ -115,7 +115,8 @@ impl Coverage {
         of_direction.filter_map(move |motion| {
             let GapMotion { body_share, free_mps, fastest_mps, .. } = *motion;
             let limit_mps = (because.touched_mps / body_share.max(1.0e-3)).max(free_mps);
-            let limit = DirectionLimit { direction, limit_mps, configured_mps: fastest_mps, because: *because };
+            let limit =
+                DirectionLimit { direction, limit_mps, configured_mps: fastest_mps, because: *because };
             (limit_mps < fastest_mps).then_some(limit)
         })
     }
@@ -141,7 +142,8 @@ pub(crate) fn unseen_limits(robot: &RobotConfiguration, limits: &[DirectionLimit
 fn known_after_m(robot: &RobotConfiguration) -> f32 {
     let outline = Outline::of(&robot.geometry);
     let scanners: Vec<ScannerConfiguration> = [robot.scanner].into_iter().chain(robot.rear_scanner).collect();
-    let spins = [Motion::SpinLeft, Motion::SpinRight].into_iter().flat_map(|spin| spin.twists(&robot.limits, 1.0));
+    let spins =
+        [Motion::SpinLeft, Motion::SpinRight].into_iter().flat_map(|spin| spin.twists(&robot.limits, 1.0));
     let swept = spins.filter_map(|twist| Swept::of(&outline, twist, (&robot.geometry, &robot.limits)));
     let places = swept.flat_map(|swept| swept.places).map(place);
     let known_at = |at: Point2| {
@@ -163,5 +165,6 @@ fn looks_at(scanner: &ScannerConfiguration, at: Point2) -> bool {
     let seen = pose.inverse().transform(at);
     let [first_rad, last_rad] = scanner.sector_rad;
     let [nearest_m, farthest_m] = SCANNER_RANGE_M;
-    (first_rad..=last_rad).contains(&seen.y_m.atan2(seen.x_m)) && (nearest_m..=farthest_m).contains(&seen.norm())
+    (first_rad..=last_rad).contains(&seen.y_m.atan2(seen.x_m))
+        && (nearest_m..=farthest_m).contains(&seen.norm())
 }

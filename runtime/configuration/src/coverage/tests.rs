@@ -179,7 +179,11 @@ fn fg_req_063_gap_accepted_at_a_speed_limits_its_direction() {
         assert_eq!(refused, [], "it is accepted all the same");
         let limits = configuration.direction_limits(&coverage);
         let text = limits.first().map(ToString::to_string).unwrap_or_default();
-        assert!(limits.len() == 1 && text.starts_with(&format!("forward at most {limit_mps:.2} m/s instead of 1.00")), "{text}");
+        assert!(
+            limits.len() == 1
+                && text.starts_with(&format!("forward at most {limit_mps:.2} m/s instead of 1.00")),
+            "{text}"
+        );
     }
     assert_eq!(with(" at 1.00 m/s").robot.unseen, free, "no motion is faster there");
     for wrong in [" at 0.30", " at 9.00 m/s", " at -1 m/s", " at m/s"] {
@@ -194,7 +198,8 @@ fn fg_req_063_body_comes_no_faster_into_an_accepted_gap() {
     let configuration = read(FEWEST);
     let (coverage, _) = configuration.coverage();
     let limits = configuration.direction_limits(&coverage);
-    let limit_mps = |name| limits.iter().find(|limit| limit.direction.name() == name).map(|limit| limit.limit_mps);
+    let limit_mps =
+        |name| limits.iter().find(|limit| limit.direction.name() == name).map(|limit| limit.limit_mps);
     for gap in &coverage.gaps {
         for motion in &gap.motions {
             let direction = match motion.motion.is_turning() {

@@ -82,8 +82,7 @@ struct Waiting {
 
 impl Waiting {
     fn of(&mut self, line: TapeLine) -> Option<&mut VecDeque<(Stamp, Vec<u8>)>> {
-        let lines =
-            [TapeLine::Lidar, TapeLine::Scanner, TapeLine::Imu, TapeLine::Can, TapeLine::RearScanner];
+        let lines = [TapeLine::Lidar, TapeLine::Scanner, TapeLine::Imu, TapeLine::Can, TapeLine::RearScanner];
         let index = lines.iter().position(|each| *each == line)?;
         self.bytes.get_mut(index)
     }
