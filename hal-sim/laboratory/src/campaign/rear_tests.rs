@@ -54,7 +54,7 @@ fn fg_req_029_second_scanner_holds_the_tail() {
         // The same robot, and its second scanner does not look there.
         let mut without = plan;
         let rear = without.robot.rear_scanner.as_mut().expect("a second scanner");
-        rear.sector_rad = [0.0, 0.1];
+        rear.sector_rad = [-2.3, -2.2];
         let without = verdict(&without);
         assert!(touched_mps(&without).is_some(), "{world}: {}", without.contacts_in_words());
     }
