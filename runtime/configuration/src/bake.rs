@@ -69,11 +69,11 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     code
 }
 
-/// A program for a board is not compiled with a second one: there is no room for its table.
+/// A program for a board is not compiled with a second one: the memory for its table is missing.
 fn rear_scanner(robot: &RobotConfiguration) -> &'static str {
     match robot.rear_scanner {
         Some(_) => {
-            "compile_error!(\"[rear_scanner]: a microcontroller has no room for a second safety scanner\")"
+            "compile_error!(\"[rear_scanner]: a microcontroller lacks the memory for a second safety scanner\")"
         }
         None => "None",
     }

@@ -119,7 +119,7 @@ person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map,
 scenario; `start_…` is where the robot is switched on, in the map's frame. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
 the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
-microcontroller has no room for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
+microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.
 
 `accept_unseen` in `[guard]` names what no sensor sees of the volume that the body goes into, as `floorguard check` prints it; `run`

@@ -91,7 +91,7 @@ pub struct RobotConfiguration {
     pub lidar: LidarConfiguration,
     /// Safety laser scanner.
     pub scanner: ScannerConfiguration,
-    /// A second one, which looks behind; a robot can do without, and a microcontroller has no room for it.
+    /// A second one, which looks behind; a robot can do without, and a microcontroller lacks the memory for it.
     pub rear_scanner: Option<ScannerConfiguration>,
     /// Inertial measurement unit; a robot can do without.
     pub imu: Option<ImuConfiguration>,

@@ -67,7 +67,7 @@ impl ScannerGeometry {
         sector_rad: [0.0; 2],
     };
 
-    /// It has beams, not more than there is room for, one beside the other.
+    /// It has beams, not more than its table, one beside the other.
     const fn fits(&self) -> bool {
         let beams_fit = self.beams >= 1 && self.beams <= SCAN_BEAMS_MAX;
         beams_fit && self.step_rad.is_finite() && self.step_rad > 0.0
@@ -175,7 +175,7 @@ pub struct GuardConfig {
     pub fields: Vec<FieldSet, FIELD_SETS_MAX>,
     /// Safety scanner.
     pub scanner: ScannerGeometry,
-    /// A second one, with [`Source::RearScanner`]; a program that has no room for it refuses it.
+    /// A second one, with [`Source::RearScanner`]; a program without the memory for it refuses it.
     pub rear_scanner: Option<ScannerGeometry>,
     /// Lidar.
     pub lidar: LidarGeometry,

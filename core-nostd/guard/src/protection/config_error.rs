@@ -38,7 +38,7 @@ pub enum GuardConfigError {
     },
     /// The scanner has no beams, more than the capacity, or no positive step.
     Scanner,
-    /// The second scanner is as wrong, is not waited for, or the program has no room for its table.
+    /// The second scanner is as wrong, is not waited for, or the program lacks the memory for its table.
     RearScanner,
     /// The lidar has no rings, or the body ends below the floor clearance.
     Lidar,
@@ -73,7 +73,7 @@ impl fmt::Display for GuardConfigError {
                 out.write_str("the scanner needs beams, at most the capacity, and a positive step")
             }
             Self::RearScanner => out.write_str(
-                "the rear scanner needs beams, a deadline, and a program with room for it: none on a microcontroller",
+                "the rear scanner needs beams, a deadline, and a program with the memory for it: none on a microcontroller",
             ),
             Self::Lidar => {
                 out.write_str("the lidar needs rings, and a body height above its floor clearance")

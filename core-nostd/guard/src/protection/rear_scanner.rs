@@ -1,4 +1,4 @@
-//! A second safety scanner: its own table of the same fields, and what its scans said before.
+//! A second safety scanner: its own table of the same fields, and what it sent before.
 
 use super::config::{FieldSet, ScannerGeometry};
 use super::content_watch::Repetition;
@@ -20,7 +20,7 @@ impl RearScanner {
     /// No beam is watched.
     pub const EMPTY: Self = Self { table: ScanTable::EMPTY, repetition: Repetition::NONE, scans: 0 };
 
-    /// Precomputes the limits, in place; what its scans said is forgotten. `None`: the robot has no second scanner.
+    /// Precomputes the limits, in place; what it sent is forgotten. `None`: the robot has no second scanner.
     pub fn fill(&mut self, geometry: Option<&ScannerGeometry>, sets: &[FieldSet]) {
         (self.repetition, self.scans) = (Repetition::NONE, 0);
         match geometry {

@@ -36,7 +36,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// How many there are: a board has no room for a second scanner.
+    /// How many there are: a board lacks the memory for a second scanner.
     pub const COUNT: usize = Self::FIRST + REAR_SCANNERS_MAX;
     /// How many every program knows.
     pub(crate) const FIRST: usize = 8;

@@ -151,7 +151,7 @@ fn known_after_m(robot: &RobotConfiguration) -> f32 {
         let is_known = |ahead_m: &f32| {
             let before = Point2::new(at.x_m + ahead_m, at.y_m);
             let was_inside = signed_distance_m(&robot.geometry.footprint, before) <= 0.0;
-            was_inside || scanners.iter().any(|scanner| looks_at(scanner, before))
+            was_inside || scanners.iter().any(|scanner| is_in_view(scanner, before))
         };
         ahead.into_iter().find(is_known).unwrap_or(NEVER_M)
     };
@@ -159,7 +159,7 @@ fn known_after_m(robot: &RobotConfiguration) -> f32 {
 }
 
 /// The place lies in the scanner's sector and range.
-fn looks_at(scanner: &ScannerConfiguration, at: Point2) -> bool {
+fn is_in_view(scanner: &ScannerConfiguration, at: Point2) -> bool {
     let mounting = &scanner.mounting;
     let pose = Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad);
     let seen = pose.inverse().transform(at);

@@ -143,7 +143,7 @@ fn fg_req_062_fewest_holes_names_what_remains() {
     }
 }
 
-/// Scan planes at two heights would clear what the other has met; two devices share no line; a board has no room for the second.
+/// Scan planes at two heights would clear what the other has met; two devices share no line; a board lacks the memory for the second.
 #[test]
 fn fg_req_029_second_scanner_is_checked() {
     let refused = |from: &str, to: &str| {
@@ -155,9 +155,11 @@ fn fg_req_029_second_scanner_is_checked() {
     assert!(refused("serial:/dev/ttyUSB3", "serial:/dev/ttyUSB0").contains("give each device its own line"));
     let robot = read(FEWEST).robot;
     let guard = robot.guard();
-    guard.validate().expect("a computer has room for it");
+    guard.validate().expect("a computer has the memory for it");
     assert_eq!(guard.rear_scanner.map(|rear| rear.beams), Some(541));
-    assert!(crate::bake(&robot).contains("compile_error!(\"[rear_scanner]: a microcontroller has no room"));
+    assert!(
+        crate::bake(&robot).contains("compile_error!(\"[rear_scanner]: a microcontroller lacks the memory")
+    );
     assert!(crate::bake(&read(EXAMPLE).robot).contains("rear_scanner: None"));
 }
 
