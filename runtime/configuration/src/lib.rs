@@ -18,6 +18,7 @@ mod problem;
 mod read;
 mod reader;
 mod reference;
+mod sensors;
 mod warnings;
 
 pub use absent::{Absence, absences};

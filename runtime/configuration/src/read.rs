@@ -6,10 +6,7 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use floorguard_guard::{Thresholds, UnseenLimits};
-use floorguard_runtime::configuration::{
-    BaseKind, Deadlines, Geometry, ImuConfiguration, LidarConfiguration, Limits, RobotConfiguration,
-    ScannerConfiguration,
-};
+use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
@@ -17,17 +14,17 @@ use toml::de::DeTable;
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::base::read_drives;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
-use super::command::{CommandAddress, CommandConfiguration, read_command};
+use super::command::{CommandConfiguration, read_command};
 use super::coverage::{
     Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
 };
-use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
+use super::sensors::{Sensors, fitted};
 
 /// The addresses of the carriers.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,13 +95,6 @@ impl HostedConfiguration {
         self.robot.unseen = unseen_limits(&self.robot, &limits);
     }
 }
-
-/// Why no robot does without.
-const NO_SCANNER: &str = "the safety scanner is the protection that sees feet and children in time, and stops the robot when all \
-    else fails: no robot drives without; add the section";
-
-/// Scan planes whose heights differ by more are not one, metres.
-const SAME_PLANE_M: f32 = 0.01;
 
 /// Reads and checks a file.
 ///
@@ -201,71 +191,9 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     })
 }
 
-/// A device of a section, with its address; `None`: it is wrong.
-type Read<C, A> = Option<(C, A)>;
-
-/// The sensors that the guard listens to, as far as they were read.
-struct Sensors {
-    lidar: Option<Read<LidarConfiguration, DatagramAddress>>,
-    scanner: Read<ScannerConfiguration, ScannerAddress>,
-    rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
-    imu: Option<Read<ImuConfiguration, SerialAddress>>,
-}
-
-impl Sensors {
-    fn read(top: &Reader<'_>) -> Self {
-        Self {
-            lidar: top.optional_section("lidar").map(read_lidar),
-            scanner: read_scanner(top.section_because("scanner", NO_SCANNER)),
-            rear_scanner: top.optional_section("rear_scanner").map(read_rear_scanner),
-            imu: top.optional_section("imu").map(read_imu),
-        }
-    }
-
-    /// What two devices cannot share, and what two scanners must.
-    fn check(
-        &self,
-        top: &Reader<'_>,
-        (can, base, command): (Option<&CanAddress>, Option<&BaseAddress>, Option<&CommandAddress>),
-    ) {
-        let Some((first, scanner)) = &self.scanner else { return };
-        let (lidar, imu) = (address_of(&self.lidar), address_of(&self.imu));
-        let rear_scanner = address_of(&self.rear_scanner);
-        check_addresses(top, &Addresses { lidar, scanner, rear_scanner, imu, can, base, command });
-        let rear = self.rear_scanner.as_ref().and_then(Option::as_ref);
-        check_planes(top, first, rear.map(|(scanner, _)| scanner));
-    }
-}
-
 /// What a section says, or what stands for it where it is missing.
 fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
     top.optional_section(name).map_or_else(T::default, read)
-}
-
-/// Where such a device is, if it was read.
-fn address_of<C, A>(read: &Option<Read<C, A>>) -> Option<&A> {
-    read.as_ref().and_then(Option::as_ref).map(|(_, address)| address)
-}
-
-/// Both scanners look along one plane: what either meets, the other clears when it looks through its place.
-fn check_planes(top: &Reader<'_>, first: &ScannerConfiguration, rear: Option<&ScannerConfiguration>) {
-    let height_m = |scanner: &ScannerConfiguration| scanner.mounting.position.z_m;
-    let is_other = |rear: &&ScannerConfiguration| (height_m(rear) - height_m(first)).abs() > SAME_PLANE_M;
-    let Some(rear) = rear.filter(is_other) else { return };
-    top.refuse(
-        &top.find("rear_scanner").map_or(0..0, |value| value.span()),
-        format!(
-            "[rear_scanner]: its scan plane is {} m high, that of [scanner] {} m: the one would look over what the other has met",
-            height_m(rear),
-            height_m(first)
-        ),
-        "mount both at the same height",
-    );
-}
-
-/// A device that a robot can do without: none if its section is missing, refused if it is wrong.
-fn fitted<C, A>(read: Option<Read<C, A>>) -> Option<(Option<C>, Option<A>)> {
-    read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
 }
 
 fn read_geometry(section: Reader<'_>, base: BaseKind) -> Option<Geometry> {
