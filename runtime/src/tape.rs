@@ -41,6 +41,8 @@ pub enum TapeLine {
     Resume,
     /// The operator gave the start command.
     Start,
+    /// Bytes of the second safety scanner.
+    RearScanner,
 }
 
 impl TapeLine {
@@ -57,6 +59,7 @@ impl TapeLine {
             Self::Pause => 7,
             Self::Resume => 8,
             Self::Start => 9,
+            Self::RearScanner => 10,
         }
     }
 
@@ -73,6 +76,7 @@ impl TapeLine {
             7 => Some(Self::Pause),
             8 => Some(Self::Resume),
             9 => Some(Self::Start),
+            10 => Some(Self::RearScanner),
             _ => None,
         }
     }

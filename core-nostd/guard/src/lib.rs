@@ -34,6 +34,7 @@ pub mod protection;
 mod reset_answer;
 mod rules;
 mod scan_check;
+mod scan_judgement;
 mod source_monitor;
 mod state;
 mod supervisor;

@@ -2,10 +2,11 @@
 
 use super::field_selection::FieldSelection;
 use super::machine::DecisionMachine;
-use super::motion_checks::{Motion, MotionChecks};
+use super::motion_checks::MotionChecks;
 use super::rules::STOP_QUIET_US;
 use super::source_monitor::SourceMonitor;
-use crate::protection::{Blocked, GuardConfig, Source};
+use crate::protection::{Blocked, GuardConfig, Motion, Source};
+use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::{Age, Stamp};
 
@@ -27,6 +28,7 @@ pub struct State {
     pub(super) decided_at: Stamp,
     pub(super) started: bool,
     pub(super) scans_with_hit: u8,
+    pub(super) rear_scans_with_hit: [u8; REAR_SCANNERS_MAX],
     pub(super) packet_returns: u8,
     pub(super) silent_cdeg: u32,
     pub(super) blocked_forward: Option<Stamp>,
@@ -47,6 +49,7 @@ impl State {
         decided_at: Stamp::ZERO,
         started: false,
         scans_with_hit: 0,
+        rear_scans_with_hit: [0; REAR_SCANNERS_MAX],
         packet_returns: 0,
         silent_cdeg: 0,
         blocked_forward: None,
@@ -67,7 +70,7 @@ impl State {
         self.wanted_fastest_mps = other.wanted_fastest_mps;
         (self.decided_at, self.started) = (other.decided_at, other.started);
         (self.scans_with_hit, self.packet_returns) = (other.scans_with_hit, other.packet_returns);
-        self.silent_cdeg = other.silent_cdeg;
+        (self.silent_cdeg, self.rear_scans_with_hit) = (other.silent_cdeg, other.rear_scans_with_hit);
         (self.blocked_forward, self.blocked_backward) = (other.blocked_forward, other.blocked_backward);
     }
 

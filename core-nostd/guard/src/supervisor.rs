@@ -3,14 +3,15 @@
 
 use super::packet_check::BLIND_RUN_CDEG;
 use super::rules::Clear;
-use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::ResetReport;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
-    Integrity, LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,
+    Integrity, LidarRays, LocalMemory, PacketTable, RearScanner, ScanTable, SeenBeside, Source, SourceReport,
+    Unit, fastest_mps,
 };
+use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::number::truncating_u32;
 use floorguard_types::sensing::{
@@ -24,9 +25,11 @@ pub struct Supervisor {
     pub(super) config: GuardConfig,
     pub(super) body: Body,
     pub(super) scan_table: ScanTable,
+    pub(super) rear: [RearScanner; REAR_SCANNERS_MAX],
     pub(super) packet_table: PacketTable,
     pub(super) rays: LidarRays,
     pub(super) memory: LocalMemory,
+    pub(super) seen: SeenBeside,
     pub(super) contents: ContentWatch,
     pub(super) integrity: Integrity,
     pub(super) state: State,
@@ -40,9 +43,11 @@ impl Supervisor {
         config: GuardConfig::NONE,
         body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
         scan_table: ScanTable::EMPTY,
+        rear: [RearScanner::EMPTY; REAR_SCANNERS_MAX],
         packet_table: PacketTable::EMPTY,
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
+        seen: SeenBeside::NOTHING,
         contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
@@ -69,11 +74,13 @@ impl Supervisor {
         config.validate()?;
         self.body = Body::around(&config.footprint);
         self.scan_table.fill(&config.scanner, &config.fields);
+        self.rear.iter_mut().for_each(|rear| rear.fill(config.rear_scanner.as_ref(), &config.fields));
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
-        self.contents = ContentWatch::NONE;
-        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table, &self.rays));
+        (self.contents, self.seen) = (ContentWatch::NONE, SeenBeside::NOTHING);
+        let tables = ((&self.scan_table, &self.rear[..]), &self.packet_table, &self.rays);
+        self.integrity.remember(&config, self.body, tables);
         self.state = State::new(&config, now);
         self.copy = self.state;
         self.config = config;
@@ -83,16 +90,7 @@ impl Supervisor {
 
     /// A scan of the safety scanner.
     pub fn on_scan(&mut self, scan: &Scan, now: Stamp) -> Decision {
-        self.begin(now);
-        self.accept(Source::Scanner, (scan.stamp, scan.sequence), now);
-        let is_frozen = self.contents.scanner.is_frozen;
-        self.monitor(Source::Scanner, |monitor| monitor.repeats = is_frozen);
-        if self.scan_table.fits(scan) {
-            self.judge_scan(scan, now);
-        } else {
-            self.fault(Source::Scanner, FaultKind::WrongGeometry);
-        }
-        self.decide(now)
+        self.take_scan((Source::Scanner, scan), now)
     }
 
     /// A packet of the lidar: decided within the packet (FG-REQ-023).
@@ -138,7 +136,8 @@ impl Supervisor {
         self.accept(Source::Wheels, (stamp, 0), now);
         if measured.is_finite() {
             self.state.motion.hear_wheels(measured, &self.config.footprint);
-            self.memory.follow(measured, stamp);
+            let step_s = self.memory.follow(measured, stamp);
+            self.seen.follow(measured, (step_s, self.config.unseen.known_after_m));
             self.judge_standstill(Source::Wheels, measured, now);
         } else {
             self.fault(Source::Wheels, FaultKind::Garbled);
@@ -212,7 +211,8 @@ impl Supervisor {
         if !wanted.is_finite() {
             self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
-        self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        let wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.state.wanted = self.config.unseen.limited(wanted, (&self.config.footprint, &self.seen));
         self.state.wanted_fastest_mps = fastest_mps(&self.config.footprint, self.state.wanted);
         self.judge_way(now);
         self.decide(now)
@@ -264,7 +264,7 @@ impl Supervisor {
     /// Time has passed: call every 10 ms. Checks a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
-        let tables = (&self.scan_table, &self.packet_table, &self.rays);
+        let tables = ((&self.scan_table, &self.rear[..]), &self.packet_table, &self.rays);
         let is_whole = self.integrity.check_next(&self.config, self.body, tables) && self.memory.check_next();
         if !is_whole {
             self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
@@ -302,7 +302,7 @@ impl Supervisor {
     }
 
     /// Compares the state with its copy, and the clock with its past (FG-REQ-008).
-    fn begin(&mut self, now: Stamp) {
+    pub(super) fn begin(&mut self, now: Stamp) {
         if self.state != self.copy {
             self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
         }
@@ -330,48 +330,19 @@ impl Supervisor {
         self.state.machine.raise(record);
     }
 
-    fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {
+    pub(super) fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {
         let mut accepted = false;
         self.monitor(source, |monitor| accepted = monitor.accept(stamp, fingerprint, now));
         accepted
     }
 
-    fn fault(&mut self, source: Source, kind: FaultKind) {
+    pub(super) fn fault(&mut self, source: Source, kind: FaultKind) {
         self.monitor(source, |monitor| monitor.fault = Some(kind));
     }
 
-    fn monitor(&mut self, source: Source, change: impl FnOnce(&mut SourceMonitor)) {
+    pub(super) fn monitor(&mut self, source: Source, change: impl FnOnce(&mut SourceMonitor)) {
         if let Some(monitor) = self.state.monitors.get_mut(source.index()) {
             change(monitor);
-        }
-    }
-
-    /// Two adjacent beams in two consecutive scans stop (book, Guard: Scanner check); one scan holds back a larger
-    /// field.
-    fn judge_scan(&mut self, scan: &Scan, now: Stamp) {
-        let thresholds = self.config.thresholds;
-        let how = (thresholds.scan_adjacent_beams, &self.body);
-        let finding = self.scan_table.check(scan, self.state.selection.active, how);
-        let age_us = scan.stamp.past_us(now);
-        self.state.scans_with_hit =
-            if finding.protective { self.state.scans_with_hit.saturating_add(1) } else { 0 };
-        if self.state.scans_with_hit >= thresholds.scan_consecutive {
-            let record = CauseRecord::new(Cause::ScanProtective, now).aged(age_us);
-            self.state.machine.raise(record.metres(finding.nearest_m, finding.nearest_limit_m));
-        }
-        if finding.warning {
-            let record = CauseRecord::new(Cause::Warning, now).aged(age_us);
-            self.state.machine.raise(record.limited_to(thresholds.warning_speed_mps));
-        }
-        if finding.is_blind() {
-            self.state.machine.raise(blind_record(&finding, now).aged(age_us));
-        }
-        self.state.note_blocked(finding.blocked, now);
-        if let Some(candidate) = self.state.selection.candidate {
-            let ahead = self.scan_table.check(scan, candidate, how);
-            if ahead.protective || ahead.is_blind() {
-                self.state.selection.candidate_blocked(now);
-            }
         }
     }
 
@@ -392,9 +363,4 @@ impl Supervisor {
             self.state.selection.candidate_blocked(now);
         }
     }
-}
-
-fn blind_record(finding: &ScanFinding, now: Stamp) -> CauseRecord {
-    let limit = super::scan_check::SILENT_PERCENT_MAX;
-    CauseRecord::new(Cause::BlindSector, now).measured(finding.silent_percent, limit, Unit::Percent)
 }

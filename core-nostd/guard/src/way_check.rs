@@ -66,6 +66,14 @@ impl Supervisor {
         }
     }
 
+    /// The same for a scan of the second safety scanner, after [`Self::on_rear_scan`].
+    pub fn remember_rear_scan(&mut self, scan: &Scan) {
+        let reach_m = self.config.thresholds.memory_reach_m;
+        for rear in self.rear.iter_mut().filter(|rear| rear.table.fits(scan)) {
+            rear.remember(scan, (&mut self.memory, reach_m));
+        }
+    }
+
     /// Looks along the wanted motion, and along what the robot does meanwhile.
     pub(super) fn judge_way(&mut self, now: Stamp) {
         let pose = self.memory.pose_at(now);

@@ -11,6 +11,8 @@ pub const SWEEP_RINGS: usize = 16;
 pub const SWEEP_COLUMNS: usize = 1_824;
 /// Rings of the largest lidar whose packets fit a `LidarPacket`.
 pub const PACKET_RINGS_MAX: usize = <Native as Profile>::Rings::N;
+/// Safety scanners beside the first one: none on a board.
+pub const REAR_SCANNERS_MAX: usize = <Native as Profile>::RearScanners::N;
 /// Firings in one lidar packet: 12 blocks of two sequences.
 pub const PACKET_COLUMNS_MAX: usize = 24;
 /// Beams that fit a `Scan`.

@@ -24,13 +24,14 @@ pub enum FaultTarget {
 }
 
 /// Names and what they stand for; the nodes are those of the default robot.
-fn named_targets() -> [(&'static str, FaultTarget); 14] {
+fn named_targets() -> [(&'static str, FaultTarget); 15] {
     use FaultTarget::{Commands, Computer, Guard, Line, Nodes, Perception, TractionCommand};
     let nodes = RobotParameters::default().nodes;
     [
         ("lidar", Line(Stream::LidarData)),
         ("position", Line(Stream::LidarPosition)),
         ("scanner", Line(Stream::ScannerSerial)),
+        ("rear-scanner", Line(Stream::RearScannerSerial)),
         ("imu", Line(Stream::ImuSerial)),
         ("can", Line(Stream::Can)),
         ("traction", Nodes([nodes.traction; 2])),

@@ -90,6 +90,8 @@ pub struct RobotParameters {
     pub scanner: SensorMount,
     /// Its model.
     pub scanner_device: ScannerDevice,
+    /// A second one, an S300.
+    pub rear_scanner: Option<SensorMount>,
     /// MTi.
     pub imu: SensorMount,
     /// CAN nodes.
@@ -133,6 +135,7 @@ impl Default for RobotParameters {
             lidar: mount(0.50, 0.80),
             scanner: mount(0.90, 0.15),
             scanner_device: ScannerDevice::default(),
+            rear_scanner: None,
             imu: mount(0.30, 0.40),
             nodes: NodeIds {
                 traction: 1,

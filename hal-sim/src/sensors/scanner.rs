@@ -73,10 +73,21 @@ impl Scanner {
         Self::of(ScannerDevice::S300, seed)
     }
 
+    /// A second S300 that is switched on at time 0: its noise is its own, and its mirror does not turn in step with the first one.
+    #[must_use]
+    pub fn at_rear(seed: u64) -> Self {
+        let mut scanner = Self::drawn(ScannerDevice::S300, Pcg32::new(seed, 13));
+        scanner.cycle_start_us = u64::from(scanner.random.below(CYCLE_US as u32));
+        scanner
+    }
+
     /// A scanner that is switched on at time 0.
     #[must_use]
     pub fn of(device: ScannerDevice, seed: u64) -> Self {
-        let mut random = Pcg32::new(seed, 12);
+        Self::drawn(device, Pcg32::new(seed, 12))
+    }
+
+    fn drawn(device: ScannerDevice, mut random: Pcg32) -> Self {
         let scan = random.below(10_000);
         let beams = match device {
             ScannerDevice::S300 => 541,

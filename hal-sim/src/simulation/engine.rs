@@ -40,6 +40,7 @@ pub struct Simulation {
     pub(super) bus: Bus,
     lidar: Lidar,
     scanner: Scanner,
+    rear_scanner: Option<Scanner>,
     imu: Imu,
     dirt: Option<DirtyWorld>,
     touch: Touch,
@@ -84,6 +85,7 @@ impl Simulation {
             bus: Bus::new(parameters.nodes),
             lidar: Lidar::new(seed, ReturnMode::Strongest),
             scanner: Scanner::of(parameters.scanner_device, seed),
+            rear_scanner: parameters.rear_scanner.map(|_| Scanner::at_rear(seed)),
             imu: Imu::new(seed),
             turn_radps2: 0.0,
             towed: None,
@@ -108,6 +110,7 @@ impl Simulation {
         self.next_step_us
             .min(self.lidar.due_us())
             .min(self.scanner.due_us())
+            .min(self.rear_scanner.as_ref().map_or(u64::MAX, Scanner::due_us))
             .min(self.imu.due_us())
             .min(self.next_position_us)
     }
@@ -159,12 +162,27 @@ impl Simulation {
                 self.push(at_us, stream, Payload::Bytes(bytes));
             }
         }
+        self.look_behind(at_us);
         if self.imu.due_us() == at_us {
             let motion = self.felt_motion();
             if let Some(bytes) = self.imu.sample(at_us, motion) {
                 let sent_us = at_us + 500 + bytes.len() as u64 * IMU_BYTE_US;
                 self.push(sent_us, Stream::ImuSerial, Payload::Bytes(bytes));
             }
+        }
+    }
+
+    /// The second scanner, if its beams are due.
+    fn look_behind(&mut self, at_us: u64) {
+        let (Some(mount), Some(scanner)) = (self.parameters.rear_scanner, &mut self.rear_scanner) else {
+            return;
+        };
+        if scanner.due_us() != at_us {
+            return;
+        }
+        let view = View::new(&self.scene, &self.crowd.people, (&self.body, mount), 31.0);
+        for (at_us, bytes) in scanner.measure(&view, at_us, self.step_us) {
+            self.push(at_us, Stream::RearScannerSerial, Payload::Bytes(bytes));
         }
     }
 

@@ -13,6 +13,8 @@ pub enum Stream {
     ScannerSerial,
     /// UDP 6060 of a microScan3: one datagram an event.
     ScannerData,
+    /// RS-422 of a second S300, at the rear.
+    RearScannerSerial,
     /// RS-232 of the MTi: any number of bytes an event.
     ImuSerial,
     /// CAN: one frame an event.

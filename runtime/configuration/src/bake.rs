@@ -50,6 +50,7 @@ pub fn bake(robot: &RobotConfiguration) -> String {
             robot.scanner.sector_rad
         ),
     );
+    line("rear_scanner", rear_scanner(robot).to_owned());
     line(
         "imu",
         robot.imu.map_or("None".to_owned(), |imu| {
@@ -63,8 +64,19 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     line("route", format!("Route {{ waypoints: {}, repeat: {} }}", points(&route.waypoints), route.repeat));
     line("route_limits", format!("{:?}", robot.route_limits));
     line("thresholds", thresholds(&robot.thresholds));
+    line("unseen", format!("{:?}", robot.unseen));
     code.push_str("    }\n}\n");
     code
+}
+
+/// A program for a board is not compiled with a second one: the memory for its table is missing.
+fn rear_scanner(robot: &RobotConfiguration) -> &'static str {
+    match robot.rear_scanner {
+        Some(_) => {
+            "compile_error!(\"[rear_scanner]: a microcontroller lacks the memory for a second safety scanner\")"
+        }
+        None => "None",
+    }
 }
 
 fn points(points: &[Point2]) -> String {

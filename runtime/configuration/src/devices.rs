@@ -105,20 +105,37 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
 
 pub(super) fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAddress)> {
     let (model, source) = read_scanner_device(&section);
+    let (mounting, sector_rad) = read_scanner_place(&section);
+    section.finish();
+    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
+}
+
+/// The second scanner: an S300 on a line of its own.
+pub(super) fn read_rear_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddress)> {
+    let model = section.choice("model", &[("s300", ScannerModel::S300)]);
+    let line = read_s300_line(&section, model);
+    let (mounting, sector_rad) = read_scanner_place(&section);
+    section.finish();
+    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, line?))
+}
+
+/// Mounting, and the sector that the body does not cover.
+fn read_scanner_place(section: &Reader<'_>) -> (Mounting, [f32; 2]) {
     let mounting = read_mounting(section.section("mounting"));
     if mounting.position.z_m > 0.2 {
-        section.refuse_to_drive(
-            section.span(),
-            format!("[scanner]: the scan plane is {} m high, allowed is up to 0.2 m", mounting.position.z_m),
-            "mount the scanner lower: feet and children must cross the plane",
+        let what = format!(
+            "{}: the scan plane is {} m high, allowed is up to 0.2 m",
+            section.title(),
+            mounting.position.z_m
         );
+        let remedy = "mount the scanner lower: feet and children must cross the plane";
+        section.refuse_to_drive(section.span(), what, remedy);
     }
     let sector_rad = [
         radians(section.number_or("sector_first_deg", -135.0..=0.0, -135.0)),
         radians(section.number_or("sector_last_deg", 0.0..=135.0, 135.0)),
     ];
-    section.finish();
-    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
+    (mounting, sector_rad)
 }
 
 /// The model, and what it is connected to: an S300 has a line, a microScan3 sends datagrams and says how many beams.
@@ -146,6 +163,11 @@ pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>
             "leave `beams` out, or write model = \"microscan3\"",
         );
     }
+    let line = read_s300_line(section, model);
+    (model, line.map(ScannerAddress::Serial))
+}
+
+fn read_s300_line(section: &Reader<'_>, model: Option<ScannerModel>) -> Option<SerialAddress> {
     let line = read_serial(section);
     if let (Some(line), true) = (&line, model.is_some() && section.good_so_far())
         && !S300_BAUDS.contains(&line.baud)
@@ -153,13 +175,14 @@ pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>
         section.refuse_to_drive(
             &section.find("baud").map_or(section.span().clone(), |value| value.span()),
             format!(
-                "[scanner]: `baud` is {}, an S300 has no such rate, or its scans come too late with it",
+                "{}: `baud` is {}, an S300 has no such rate, or its scans come too late with it",
+                section.title(),
                 line.baud
             ),
             "write 500000, 250000, 125000 or 115200, as it is set in the scanner",
         );
     }
-    (model, line.map(ScannerAddress::Serial))
+    line
 }
 
 pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {

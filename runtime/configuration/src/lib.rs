@@ -18,6 +18,7 @@ mod problem;
 mod read;
 mod reader;
 mod reference;
+mod sensors;
 mod warnings;
 
 pub use absent::{Absence, absences};
@@ -26,8 +27,8 @@ pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
 pub use coverage::{
-    AcceptedGap, BAR_M, Coverage, Gap, GapMotion, HEIGHTS_M, Motion, Refusal, Region, SensorGap, Sight,
-    SpeedStep, Unseen,
+    AcceptedGap, BAR_M, Coverage, Direction, DirectionLimit, Gap, GapMotion, GapSpeed, HEIGHTS_M, Motion,
+    Refusal, Region, SensorGap, Sight, SpeedStep, Unseen,
 };
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};

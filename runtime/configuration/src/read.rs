@@ -5,7 +5,7 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use floorguard_guard::Thresholds;
+use floorguard_guard::{Thresholds, UnseenLimits};
 use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
@@ -15,14 +15,16 @@ use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, S
 use super::base::read_drives;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
 use super::command::{CommandConfiguration, read_command};
-use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
-use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scanner};
+use super::coverage::{
+    Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
+};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
+use super::sensors::{Sensors, fitted};
 
 /// The addresses of the carriers.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +33,8 @@ pub struct Carriers {
     pub lidar: Option<DatagramAddress>,
     /// Safety scanner.
     pub scanner: ScannerAddress,
+    /// Second safety scanner; a robot can do without.
+    pub rear_scanner: Option<SerialAddress>,
     /// Inertial measurement unit.
     pub imu: Option<SerialAddress>,
     /// CAN bus, of a robot whose drives are on one.
@@ -56,6 +60,8 @@ pub struct HostedConfiguration {
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
     pub accepted_gaps: Vec<AcceptedGap>,
+    /// Those of them that are accepted up to a speed.
+    pub gap_speeds: Vec<GapSpeed>,
     /// Who drives it from outside; without it, it drives itself.
     pub command: Option<CommandConfiguration>,
 }
@@ -65,17 +71,30 @@ impl HostedConfiguration {
     /// where the file accepts all of it by name.
     #[must_use]
     pub fn coverage(&self) -> (Coverage, Vec<Refusal>) {
-        // Recorded pictures show nothing of what is there.
-        let is_there = |camera: &&CameraConfiguration| matches!(camera.source, CameraSource::Devices { .. });
-        let coverage = Coverage::of(&self.robot, self.carriers.camera.as_ref().filter(is_there));
+        let coverage = self.sight();
         let refusals = coverage.refusals(&self.accepted_gaps);
         (coverage, refusals)
     }
-}
 
-/// Why no robot does without.
-const NO_SCANNER: &str = "the safety scanner is the protection that sees feet and children in time, and stops the robot when all \
-    else fails: no robot drives without; add the section";
+    fn sight(&self) -> Coverage {
+        // Recorded pictures show nothing of what is there.
+        let is_there = |camera: &&CameraConfiguration| matches!(camera.source, CameraSource::Devices { .. });
+        Coverage::of(&self.robot, self.carriers.camera.as_ref().filter(is_there))
+    }
+
+    /// Directions that are slower for what no sensor sees, each with the gap that costs it most (FG-REQ-063).
+    #[must_use]
+    pub fn direction_limits(&self, coverage: &Coverage) -> Vec<DirectionLimit> {
+        coverage.limits(&self.gap_speeds)
+    }
+
+    /// The guard gets the limits by direction.
+    fn limit_unseen(&mut self) {
+        let slower = !self.gap_speeds.is_empty();
+        let limits = if slower { self.direction_limits(&self.sight()) } else { Vec::new() };
+        self.robot.unseen = unseen_limits(&self.robot, &limits);
+    }
+}
 
 /// Reads and checks a file.
 ///
@@ -126,7 +145,10 @@ pub fn parse_recorded(file: &str, text: &str) -> Result<RecordedConfiguration, R
     let is_understood = problems.iter().all(|problem| problem.is_understood);
     let findings = (!problems.is_empty()).then(|| Refused::new(file, text, problems));
     match configuration {
-        Some(configuration) if is_understood => Ok(RecordedConfiguration { configuration, findings }),
+        Some(mut configuration) if is_understood => {
+            configuration.limit_unseen();
+            Ok(RecordedConfiguration { configuration, findings })
+        }
         _ => Err(findings.unwrap_or_else(|| Refused::new(file, text, Vec::new()))),
     }
 }
@@ -136,11 +158,9 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let geometry = read_geometry(top.section("robot"), base);
     let limits = read_limits(top.section("limits"));
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
-    let lidar = top.optional_section("lidar").map(read_lidar);
-    let scanner = read_scanner(top.section_because("scanner", NO_SCANNER));
-    let imu = top.optional_section("imu").map(read_imu);
+    let sensors = Sensors::read(&top);
     let camera = top.optional_section("camera").map(read_camera);
-    let (thresholds, accepted_gaps) = optional(&top, "guard", read_thresholds);
+    let (thresholds, accepted) = optional(&top, "guard", read_thresholds);
     let drives = read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
@@ -148,20 +168,16 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
-    if let (Some((_, scanner)), Some(drives)) = (&scanner, &drives) {
-        let lidar = lidar.as_ref().and_then(Option::as_ref).map(|(_, port)| port);
-        let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
+    if let Some(drives) = &drives {
         let command = command.as_ref().map(|command| &command.address);
-        check_addresses(
-            &top,
-            &Addresses { lidar, scanner, imu, can: drives.can(), base: drives.base(), command },
-        );
+        sensors.check(&top, (drives.can(), drives.base(), command));
     }
     top.finish();
-    let (lidar, lidar_address) = fitted(lidar)?;
-    let (scanner, scanner_address) = scanner?;
+    let (lidar, lidar_address) = fitted(sensors.lidar)?;
+    let (scanner, scanner_address) = sensors.scanner?;
+    let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
-    let (imu, imu_address) = fitted(imu)?;
+    let (imu, imu_address) = fitted(sensors.imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
@@ -171,16 +187,19 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             has_lidar: lidar.is_some(),
             lidar: lidar.unwrap_or_default(),
             scanner,
+            rear_scanner,
             imu,
             can,
             fields,
             route,
             route_limits,
             thresholds,
+            unseen: UnseenLimits::NONE,
         },
         carriers: Carriers {
             lidar: lidar_address,
             scanner: scanner_address,
+            rear_scanner: rear_scanner_address,
             imu: imu_address,
             can: can_address,
             base: base_address,
@@ -189,7 +208,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         mission,
         navigation,
         learning,
-        accepted_gaps,
+        accepted_gaps: accepted.gaps,
+        gap_speeds: accepted.speeds,
         command,
     })
 }
@@ -197,11 +217,6 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
 /// What a section says, or what stands for it where it is missing.
 fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
     top.optional_section(name).map_or_else(T::default, read)
-}
-
-/// A device that a robot can do without: none if its section is missing, refused if it is wrong.
-fn fitted<C, A>(read: Option<Option<(C, A)>>) -> Option<(Option<C>, Option<A>)> {
-    read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
 }
 
 fn read_geometry(section: Reader<'_>, base: BaseKind) -> Option<Geometry> {
@@ -238,8 +253,11 @@ fn read_limits(section: Reader<'_>) -> Limits {
 fn read_deadlines(section: Reader<'_>) -> Deadlines {
     // Microseconds are exact for every value that passes the range check.
     let micros = |key, longest_s| (section.number(key, 0.02..=longest_s) * 1.0e6) as u64;
+    let scanner_us = micros("scanner_s", 0.3);
+    let rear_s = section.number_or("rear_scanner_s", 0.02..=0.3, scanner_us as f32 * 1.0e-6);
     let deadlines = Deadlines {
-        scanner_us: micros("scanner_s", 0.3),
+        scanner_us,
+        rear_scanner_us: (rear_s * 1.0e6) as u64,
         lidar_us: micros("lidar_s", 0.5),
         odometry_us: micros("odometry_s", 0.2),
         command_us: micros("command_s", 0.5),
@@ -250,7 +268,7 @@ fn read_deadlines(section: Reader<'_>) -> Deadlines {
 
 /// The guard's thresholds that a site may want to change, and the gaps of the sensors that it accepts; the other thresholds follow from
 /// the standards.
-fn read_thresholds(section: Reader<'_>) -> (Thresholds, Vec<AcceptedGap>) {
+fn read_thresholds(section: Reader<'_>) -> (Thresholds, Accepted) {
     let defaults = Thresholds::default();
     let thresholds = Thresholds {
         warning_speed_mps: section.number_or("warning_speed_mps", 0.05..=0.5, defaults.warning_speed_mps),

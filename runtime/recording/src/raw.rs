@@ -9,6 +9,8 @@ pub enum RawStream {
     Lidar,
     /// Serial line of the safety scanner.
     Scanner,
+    /// Serial line of the second safety scanner.
+    RearScanner,
     /// Serial line of the inertial unit.
     Imu,
     /// CAN frames towards the robot's computer: identifier in two bytes, little-endian, then the data.
@@ -23,9 +25,10 @@ pub enum RawStream {
 
 impl RawStream {
     /// All streams.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Lidar,
         Self::Scanner,
+        Self::RearScanner,
         Self::Imu,
         Self::CanReceived,
         Self::CanSent,
@@ -39,6 +42,7 @@ impl RawStream {
         match self {
             Self::Lidar => "/raw/lidar",
             Self::Scanner => "/raw/scanner",
+            Self::RearScanner => "/raw/rear_scanner",
             Self::Imu => "/raw/imu",
             Self::CanReceived => "/raw/can_received",
             Self::CanSent => "/raw/can_sent",
@@ -59,6 +63,7 @@ impl RawStream {
         match line {
             TapeLine::Lidar => Self::Lidar,
             TapeLine::Scanner => Self::Scanner,
+            TapeLine::RearScanner => Self::RearScanner,
             TapeLine::Imu => Self::Imu,
             TapeLine::Can => Self::CanReceived,
             TapeLine::Reset | TapeLine::Start | TapeLine::Pause | TapeLine::Resume => Self::Operator,

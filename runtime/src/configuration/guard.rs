@@ -12,7 +12,7 @@ use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, Limits, RobotConfiguration};
-use super::sources::LidarModel;
+use super::sources::{LidarModel, ScannerConfiguration};
 
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
 const FLOOR_CLEARANCE_M: f32 = 0.08;
@@ -39,11 +39,25 @@ impl Limits {
     }
 }
 
+impl ScannerConfiguration {
+    /// What the guard knows of it.
+    #[must_use]
+    pub fn geometry(&self) -> ScannerGeometry {
+        let mounting = self.mounting;
+        ScannerGeometry {
+            mounting: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
+            first_angle_rad: self.model.first_angle_rad(),
+            step_rad: self.model.step_rad(),
+            beams: self.model.beams(),
+            sector_rad: self.sector_rad,
+        }
+    }
+}
+
 impl RobotConfiguration {
     /// What the guard must know. [`GuardConfig::validate`] has the last word.
     #[must_use]
     pub fn guard(&self) -> GuardConfig {
-        let mounting = self.scanner.mounting;
         let mut fields = heapless::Vec::new();
         for field in &self.fields {
             // Same capacity: never full.
@@ -57,13 +71,8 @@ impl RobotConfiguration {
         GuardConfig {
             footprint: self.geometry.footprint.clone(),
             fields,
-            scanner: ScannerGeometry {
-                mounting: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
-                first_angle_rad: self.scanner.model.first_angle_rad(),
-                step_rad: self.scanner.model.step_rad(),
-                beams: self.scanner.model.beams(),
-                sector_rad: self.scanner.sector_rad,
-            },
+            scanner: self.scanner.geometry(),
+            rear_scanner: self.rear_scanner.as_ref().map(ScannerConfiguration::geometry),
             lidar: LidarGeometry {
                 mounting: self.lidar.mounting.transform(),
                 elevations_rad: self.elevations_rad(),
@@ -73,6 +82,7 @@ impl RobotConfiguration {
             },
             drive: self.limits.drive(self.geometry.wheelbase_m),
             thresholds: self.thresholds,
+            unseen: self.unseen,
             sources: self.source_rules(),
         }
     }
@@ -136,6 +146,10 @@ impl RobotConfiguration {
 
     fn source_rules(&self) -> [SourceRules; Source::COUNT] {
         let mut rules = GuardConfig::default_sources();
+        if let Some(rule) = rules.get_mut(Source::RearScanner.index()).filter(|_| self.rear_scanner.is_some())
+        {
+            *rule = GuardConfig::RULES_OF_SCANNER;
+        }
         let mut stop_after = |source: Source, stop_us: u64| {
             if let Some(rule) = rules.get_mut(source.index()) {
                 rule.stop_after_us = Some(stop_us);
@@ -143,6 +157,9 @@ impl RobotConfiguration {
             }
         };
         stop_after(Source::Scanner, self.deadlines.scanner_us);
+        if self.rear_scanner.is_some() {
+            stop_after(Source::RearScanner, self.deadlines.rear_scanner_us);
+        }
         stop_after(Source::Lidar, self.deadlines.lidar_us);
         stop_after(Source::Wheels, self.deadlines.odometry_us);
         stop_after(Source::Command, self.deadlines.command_us);

@@ -1,6 +1,6 @@
 //! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
 
-use floorguard_guard::Thresholds;
+use floorguard_guard::{Thresholds, UnseenLimits};
 use floorguard_types::capacities::FIELD_SETS_MAX;
 use heapless::Vec;
 
@@ -43,6 +43,8 @@ pub struct Limits {
 pub struct Deadlines {
     /// Safety scanner: stop.
     pub scanner_us: u64,
+    /// The second safety scanner: stop.
+    pub rear_scanner_us: u64,
     /// Lidar packets: limited speed.
     pub lidar_us: u64,
     /// Wheels: stop.
@@ -53,8 +55,13 @@ pub struct Deadlines {
 
 impl Deadlines {
     /// Those of the example robot.
-    pub const DEFAULT: Self =
-        Self { scanner_us: 200_000, lidar_us: 300_000, odometry_us: 50_000, command_us: 200_000 };
+    pub const DEFAULT: Self = Self {
+        scanner_us: 200_000,
+        rear_scanner_us: 200_000,
+        lidar_us: 300_000,
+        odometry_us: 50_000,
+        command_us: 200_000,
+    };
 }
 
 /// What drives the robot.
@@ -84,6 +91,8 @@ pub struct RobotConfiguration {
     pub lidar: LidarConfiguration,
     /// Safety laser scanner.
     pub scanner: ScannerConfiguration,
+    /// A second one, which looks behind; a robot can do without, and a microcontroller lacks the memory for it.
+    pub rear_scanner: Option<ScannerConfiguration>,
     /// Inertial measurement unit; a robot can do without.
     pub imu: Option<ImuConfiguration>,
     /// Drive, encoders and inputs.
@@ -96,4 +105,6 @@ pub struct RobotConfiguration {
     pub route_limits: RouteLimits,
     /// Thresholds of the guard.
     pub thresholds: Thresholds,
+    /// Speeds that the gaps of the sensors leave, by direction.
+    pub unseen: UnseenLimits,
 }

@@ -14,6 +14,8 @@ pub struct Complaints {
     pub lidar_closed: Option<ClosedSector>,
     /// A scanner's telegram that is right and of no use.
     pub scanner: Option<TelegramError>,
+    /// The same of the second scanner's telegram.
+    pub rear_scanner: Option<TelegramError>,
     /// The same of a microScan3's datagram or message.
     pub scanner_message: Option<ScanError>,
     /// What keeps the inertial sensor from measuring.

@@ -77,9 +77,9 @@ pub struct LinkCounters {
     pub lidar_refused: u32,
     /// Failures of the lidar's socket.
     pub lidar_errors: u32,
-    /// Telegrams of the scanner that are right and of no use.
+    /// Telegrams of the scanners that are right and of no use.
     pub scanner_refused: u32,
-    /// Failures of the scanner's line.
+    /// Failures of the scanners' lines.
     pub scanner_errors: u32,
     /// Failures of the inertial sensor's line.
     pub imu_errors: u32,

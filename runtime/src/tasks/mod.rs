@@ -2,7 +2,7 @@
 //!
 //! | ring | tasks |
 //! |---|---|
-//! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
+//! | guard | [`lidar_input`], [`scanner_input`], [`rear_scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
 //! | perception | [`perceive`], and [`drive_route`], [`clean`] or [`navigate`] |
 
 mod advise;
@@ -15,6 +15,7 @@ mod inputs;
 mod lidar;
 mod navigate;
 mod perception;
+mod rear_scanner;
 mod route;
 mod scanner;
 mod supervise;
@@ -33,6 +34,7 @@ pub use inputs::{
 pub use lidar::lidar_input;
 pub use navigate::{Navigation, NavigationMoment, navigate};
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
+pub use rear_scanner::rear_scanner_input;
 pub use route::drive_route;
 pub use scanner::{scanner_datagrams, scanner_input};
 pub use supervise::supervise;

@@ -13,7 +13,7 @@ use crate::io::DatagramReceiver;
 use crate::shared::Shared;
 
 /// At 500 kBd 1 ms is 50 bytes: a read takes what is there.
-const PORTION_BYTES: usize = 128;
+pub(super) const PORTION_BYTES: usize = 128;
 /// What an Ethernet frame holds, and more: a longer datagram must not pass for a right one.
 const DATAGRAM_BYTES: usize = 1_600;
 /// Legs are searched in beams as dense as those they were learned from, radians: half a degree.
@@ -21,7 +21,7 @@ const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DEGREE
 /// Bits 0 and 1 of the last byte of its state (book, microScan3: Blocks).
 const DEVICE_ERROR: u16 = 0x03;
 /// Pause after a failure of the line, milliseconds.
-const RETRY_MS: u64 = 20;
+pub(super) const RETRY_MS: u64 = 20;
 
 /// An S300. Guard ring. Runs for ever.
 pub async fn scanner_input<M: RawMutex>(
@@ -47,11 +47,8 @@ pub async fn scanner_input<M: RawMutex>(
             }
             s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
             s300::Event::Refused(error) => {
-                match error {
-                    s300::TelegramError::LockOut { status } => fault(shared, FaultKind::Device(status), now),
-                    s300::TelegramError::Values { .. } => fault(shared, FaultKind::WrongGeometry, now),
-                    // It may come beside the measured values, and says nothing about them.
-                    s300::TelegramError::Block { .. } => {}
+                if let Some(kind) = fault_of_telegram(error) {
+                    fault(shared, kind, now);
                 }
                 shared.complain(|complaints| complaints.scanner = Some(error));
                 count_refused(shared);
@@ -101,6 +98,16 @@ fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
     shared.decide(|guard| guard.on_scan(scan, now));
     shared.remember(|guard| guard.remember_scan(scan));
     shared.scan.publish(scan.clone());
+}
+
+/// What a refused telegram says of its scanner.
+pub(super) const fn fault_of_telegram(error: s300::TelegramError) -> Option<FaultKind> {
+    match error {
+        s300::TelegramError::LockOut { status } => Some(FaultKind::Device(status)),
+        s300::TelegramError::Values { .. } => Some(FaultKind::WrongGeometry),
+        // It may come beside the measured values, and says nothing about them.
+        s300::TelegramError::Block { .. } => None,
+    }
 }
 
 /// What a refused message says of its scanner: it answers, and is set up wrongly or at fault. Datagrams that are no whole

@@ -3,9 +3,11 @@
 use core::fmt;
 
 use super::source::Source;
+use floorguard_types::capacities::REAR_SCANNERS_MAX;
 
 /// How many causes there are, counting each source's two.
-pub const CAUSES: usize = OF_NO_SOURCE + 2 * Source::COUNT;
+pub const CAUSES: usize =
+    PLAIN.len() + 2 * Source::FIRST + LATER.len() - NOT_ON_BOARDS + 2 * REAR_SCANNERS_MAX;
 
 /// Why the guard objects.
 ///
@@ -83,9 +85,6 @@ pub enum Cause {
     SourceLost(Source),
 }
 
-/// Causes that do not belong to a source's health.
-const OF_NO_SOURCE: usize = PLAIN.len() + LATER.len();
-
 /// The first of them. Files and kept memory have a bit for each [`Cause::index`], so that no cause ever gets another one: what is
 /// new joins [`LATER`] at its end.
 const PLAIN: [Cause; 26] = [
@@ -117,18 +116,26 @@ const PLAIN: [Cause; 26] = [
     Cause::StateCorrupted,
 ];
 
-/// Those that came after the causes of the sources had their bits.
-const LATER: [Cause; 3] = [Cause::WayClosed, Cause::WayNarrow, Cause::StandstillLost];
+/// Those that came after the causes of the first sources had their bits.
+const LATER: [Cause; 5] = [
+    Cause::WayClosed,
+    Cause::WayNarrow,
+    Cause::StandstillLost,
+    Cause::SourceLate(Source::RearScanner),
+    Cause::SourceLost(Source::RearScanner),
+];
+/// Of them, at their end, those of a second scanner.
+const NOT_ON_BOARDS: usize = 2;
 
 impl Cause {
     /// Every cause, in the order of [`Self::index`].
     #[must_use]
     pub fn all() -> [Self; CAUSES] {
         let mut all = [Self::StartUp; CAUSES];
-        let late = Source::ALL.map(Self::SourceLate);
-        let lost = Source::ALL.map(Self::SourceLost);
-        for (slot, cause) in all.iter_mut().zip(PLAIN.iter().chain(&late).chain(&lost).chain(&LATER)) {
-            *slot = *cause;
+        let first = || Source::ALL.into_iter().take(Source::FIRST);
+        let of_sources = first().map(Self::SourceLate).chain(first().map(Self::SourceLost));
+        for (slot, cause) in all.iter_mut().zip(PLAIN.into_iter().chain(of_sources).chain(LATER)) {
+            *slot = cause;
         }
         all
     }
@@ -136,14 +143,17 @@ impl Cause {
     /// Position in the table of causes.
     #[must_use]
     pub fn index(self) -> usize {
+        let later = |index: usize| PLAIN.len().saturating_add(2 * Source::FIRST).saturating_add(index);
         match self {
+            Self::WayClosed => later(0),
+            Self::WayNarrow => later(1),
+            Self::StandstillLost => later(2),
+            Self::SourceLate(Source::RearScanner) => later(3),
+            Self::SourceLost(Source::RearScanner) => later(4),
             Self::SourceLate(source) => PLAIN.len().saturating_add(source.index()),
             Self::SourceLost(source) => {
-                PLAIN.len().saturating_add(Source::COUNT).saturating_add(source.index())
+                PLAIN.len().saturating_add(Source::FIRST).saturating_add(source.index())
             }
-            Self::WayClosed => PLAIN.len().saturating_add(2 * Source::COUNT),
-            Self::WayNarrow => PLAIN.len().saturating_add(2 * Source::COUNT).saturating_add(1),
-            Self::StandstillLost => PLAIN.len().saturating_add(2 * Source::COUNT).saturating_add(2),
             plain => PLAIN.iter().position(|cause| *cause == plain).unwrap_or(0),
         }
     }

@@ -7,7 +7,8 @@ use super::config_error::GuardConfigError;
 use super::field::{Polygon, point_in_polygon};
 use super::source::{Source, SourceRules};
 use super::swept_outline::{Zone, contains, swept_outline};
-use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, SCAN_BEAMS_MAX};
+use super::unseen_limits::UnseenLimits;
+use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, REAR_SCANNERS_MAX, SCAN_BEAMS_MAX};
 use floorguard_types::geometry::{Point2, Pose2, Transform3};
 
 /// Where the robot is going: the steering bin of a field set.
@@ -65,6 +66,12 @@ impl ScannerGeometry {
         beams: 0,
         sector_rad: [0.0; 2],
     };
+
+    /// It has beams, not more than its table, one beside the other.
+    const fn fits(&self) -> bool {
+        let beams_fit = self.beams >= 1 && self.beams <= SCAN_BEAMS_MAX;
+        beams_fit && self.step_rad.is_finite() && self.step_rad > 0.0
+    }
 }
 
 /// Pose of the lidar.
@@ -168,12 +175,16 @@ pub struct GuardConfig {
     pub fields: Vec<FieldSet, FIELD_SETS_MAX>,
     /// Safety scanner.
     pub scanner: ScannerGeometry,
+    /// A second one, with [`Source::RearScanner`]; a program without the memory for it refuses it.
+    pub rear_scanner: Option<ScannerGeometry>,
     /// Lidar.
     pub lidar: LidarGeometry,
     /// Drive.
     pub drive: DriveLimits,
     /// Thresholds.
     pub thresholds: Thresholds,
+    /// Speeds where no sensor sees all of what the body goes into.
+    pub unseen: UnseenLimits,
     /// Rules per source, in the order of [`Source::ALL`].
     pub sources: [SourceRules; Source::COUNT],
 }
@@ -184,6 +195,7 @@ impl GuardConfig {
         footprint: Vec::new(),
         fields: Vec::new(),
         scanner: ScannerGeometry::NONE,
+        rear_scanner: None,
         lidar: LidarGeometry {
             mounting: Transform3::IDENTITY,
             elevations_rad: Vec::new(),
@@ -200,8 +212,13 @@ impl GuardConfig {
             wheelbase_m: 1.0,
         },
         thresholds: Thresholds::DEFAULT,
+        unseen: UnseenLimits::NONE,
         sources: Self::default_sources(),
     };
+
+    /// What a safety scanner must keep (book, Guard: Source deadlines): a counter that stands still in two scans is frozen.
+    pub const RULES_OF_SCANNER: SourceRules =
+        SourceRules { frozen_samples: 2, ..SourceRules::required(100, 0.3, 200) };
 
     /// Deadlines of the book, Guard: Source deadlines, in the order of [`Source::ALL`].
     #[must_use]
@@ -210,23 +227,25 @@ impl GuardConfig {
         imu.frozen_samples = 50;
         let mut lidar = SourceRules::required(100, 0.5, 300);
         lidar.frozen_samples = 8;
-        let mut scanner = SourceRules::required(100, 0.3, 200);
-        scanner.frozen_samples = 2;
         let mut command = SourceRules::required(200, 0.0, 200);
         command.required_at_start = false;
         let mut perception = SourceRules::required(300, 0.5, 300);
         perception.required_at_start = false;
         perception.stop_after_us = None;
-        [
-            scanner,
-            lidar,
-            SourceRules::required(50, 0.3, 100),
-            SourceRules::required(50, 0.3, 50),
-            imu,
-            SourceRules::required(100, 0.3, 100),
-            command,
-            perception,
-        ]
+        let mut all = [SourceRules::ABSENT; Source::COUNT];
+        if let Some(first) = all.first_chunk_mut() {
+            *first = [
+                Self::RULES_OF_SCANNER,
+                lidar,
+                SourceRules::required(50, 0.3, 100),
+                SourceRules::required(50, 0.3, 50),
+                imu,
+                SourceRules::required(100, 0.3, 100),
+                command,
+                perception,
+            ];
+        }
+        all
     }
 
     /// Rules of one source.
@@ -276,20 +295,29 @@ impl GuardConfig {
             ("escape speed", limits.escape_speed_mps),
             ("tolerated difference of speeds", limits.speed_disagreement_mps),
             ("tolerated difference of turning rates", limits.turn_disagreement_radps),
+            // None is as right as some.
+            ("way until the rear is known", self.unseen.known_after_m + f32::MIN_POSITIVE),
             ("number of adjacent beams", f32::from(limits.scan_adjacent_beams)),
             ("number of consecutive scans", f32::from(limits.scan_consecutive)),
             ("number of returns", f32::from(limits.packet_returns)),
         ];
-        match positive.iter().find(|(_, value)| !value.is_finite() || *value <= 0.0) {
+        let unseen = self.unseen.speeds();
+        match positive.iter().chain(&unseen).find(|(_, value)| !value.is_finite() || *value <= 0.0) {
             Some((name, _)) => Err(GuardConfigError::NotPositive(name)),
             None => Ok(()),
         }
     }
 
     fn validate_sensors(&self) -> Result<(), GuardConfigError> {
-        let beams_fit = (1..=SCAN_BEAMS_MAX).contains(&self.scanner.beams);
-        if !beams_fit || !self.scanner.step_rad.is_finite() || self.scanner.step_rad <= 0.0 {
+        if !self.scanner.fits() {
             return Err(GuardConfigError::Scanner);
+        }
+        let rear_rules = self.sources.get(Source::RearScanner.index());
+        let is_awaited = rear_rules.is_some_and(|rules| rules.fitted);
+        let has_room = REAR_SCANNERS_MAX > 0 || self.rear_scanner.is_none();
+        let rear_fits = self.rear_scanner.is_none_or(|scanner| scanner.fits());
+        if self.rear_scanner.is_some() != is_awaited || !has_room || !rear_fits {
+            return Err(GuardConfigError::RearScanner);
         }
         if self.lidar.elevations_rad.is_empty() || self.lidar.body_height_m <= self.lidar.floor_clearance_m {
             return Err(GuardConfigError::Lidar);

@@ -38,6 +38,8 @@ pub enum GuardConfigError {
     },
     /// The scanner has no beams, more than the capacity, or no positive step.
     Scanner,
+    /// The second scanner is as wrong, is not waited for, or the program lacks the memory for its table.
+    RearScanner,
     /// The lidar has no rings, or the body ends below the floor clearance.
     Lidar,
     /// A source limits later than it stops, or has no positive deadline.
@@ -70,6 +72,9 @@ impl fmt::Display for GuardConfigError {
             Self::Scanner => {
                 out.write_str("the scanner needs beams, at most the capacity, and a positive step")
             }
+            Self::RearScanner => out.write_str(
+                "the rear scanner needs beams, a deadline, and a program with the memory for it: none on a microcontroller",
+            ),
             Self::Lidar => {
                 out.write_str("the lidar needs rings, and a body height above its floor clearance")
             }

@@ -41,7 +41,7 @@ pub struct Repetition {
 }
 
 impl Repetition {
-    const NONE: Self =
+    pub(super) const NONE: Self =
         Self { print: 0, first_at: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 }, is_frozen: false };
 
     fn begin(&mut self, print: u32, pose: Pose2) {
@@ -52,6 +52,17 @@ impl Repetition {
         let (dx_m, dy_m) = (pose.x_m - self.first_at.x_m, pose.y_m - self.first_at.y_m);
         let turned_rad = wrap_angle(pose.heading_rad - self.first_at.heading_rad).abs();
         self.is_frozen = dx_m * dx_m + dy_m * dy_m > MOVED_M * MOVED_M || turned_rad > MOVED_RAD;
+    }
+
+    /// All ranges of a scan, with the place of the robot by its wheels.
+    pub(super) fn see_scan(&mut self, scan: &Scan, pose: Pose2) {
+        let word = |beam: &BeamReturn| match *beam {
+            BeamReturn::Hit(range_mm) => u32::from(range_mm),
+            BeamReturn::Free(range_mm) => u32::from(range_mm) | 0x1_0000,
+            BeamReturn::Unknown => 0x2_0000,
+        };
+        let print = scan.beams.iter().fold(count_u32(scan.beams.len()), |print, beam| sum(print, word(beam)));
+        if print == self.print { self.repeat(pose) } else { self.begin(print, pose) }
     }
 }
 
@@ -96,13 +107,7 @@ impl ContentWatch {
 
     /// All ranges of a scan, with the place of the robot by its wheels.
     pub fn see_scan(&mut self, scan: &Scan, pose: Pose2) {
-        let word = |beam: &BeamReturn| match *beam {
-            BeamReturn::Hit(range_mm) => u32::from(range_mm),
-            BeamReturn::Free(range_mm) => u32::from(range_mm) | 0x1_0000,
-            BeamReturn::Unknown => 0x2_0000,
-        };
-        let print = scan.beams.iter().fold(count_u32(scan.beams.len()), |print, beam| sum(print, word(beam)));
-        if print == self.scanner.print { self.scanner.repeat(pose) } else { self.scanner.begin(print, pose) }
+        self.scanner.see_scan(scan, pose);
     }
 
     /// The first firing of a packet, with the place of the robot by its wheels.

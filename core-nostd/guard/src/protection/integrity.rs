@@ -8,6 +8,7 @@ use super::collision::Body;
 use super::config::GuardConfig;
 use super::lidar_rays::LidarRays;
 use super::packet_table::{BINS, Bin, PacketTable};
+use super::rear_scanner::RearScanner;
 use super::scan_table::ScanTable;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::number::truncating_u32;
@@ -48,30 +49,25 @@ impl Integrity {
     pub fn check_next(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);
-        let configured = part != 0
-            || (self.config == *config && self.body == body && self.config.scanner == tables.0.geometry);
+        let configured = part != 0 || (self.config == *config && self.body == body && is_of(tables, config));
         configured && self.sums.get(part).copied() == Some(sum_of(part, tables))
     }
 }
 
-/// Everything that is precomputed.
-type Tables<'a> = (&'a ScanTable, &'a PacketTable, &'a LidarRays);
+/// Everything that is precomputed: the tables of the scanners, of the lidar's packets and rays.
+type Tables<'a> = ((&'a ScanTable, &'a [RearScanner]), &'a PacketTable, &'a LidarRays);
 
-fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
+/// The scanners' tables have the geometry that is configured.
+fn is_of(((scan, rear), _, _): Tables<'_>, config: &GuardConfig) -> bool {
+    let is_rear =
+        |rear: &RearScanner| config.rear_scanner.is_none_or(|geometry| geometry == rear.table.geometry);
+    config.scanner == scan.geometry && rear.iter().all(is_rear)
+}
+
+fn sum_of(part: usize, ((scan, rear), packet, rays): Tables<'_>) -> u32 {
     let mut sum = Sum(truncating_u32(part));
-    for limits in [&scan.protective, &scan.warning] {
-        // Two parts for each set.
-        let set = limits.iter().skip(part / 2).take(1);
-        let half = set.flat_map(|beams| beams.chunks(SCAN_BEAMS_MAX.div_ceil(2)).skip(part % 2).take(1));
-        half.flatten().for_each(|limit_mm| sum.add(u32::from(*limit_mm)));
-    }
-    for directions in scan.directions.chunks(SCAN_BEAMS_MAX.div_ceil(PARTS)).skip(part).take(1) {
-        for direction in directions {
-            sum.add(direction.x_m.to_bits());
-            sum.add(direction.y_m.to_bits());
-        }
-    }
-    scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
+    sum.scan_table(part, scan);
+    rear.iter().for_each(|rear| sum.scan_table(part, &rear.table));
     sum.add(packet.origin.x_m.to_bits());
     sum.add(packet.origin.y_m.to_bits());
     rays.words().for_each(|word| sum.add(word.to_bits()));
@@ -87,6 +83,22 @@ struct Sum(u32);
 impl Sum {
     fn add(&mut self, word: u32) {
         self.0 = (self.0 ^ word).wrapping_mul(FACTOR).rotate_left(5);
+    }
+
+    fn scan_table(&mut self, part: usize, scan: &ScanTable) {
+        for limits in [&scan.protective, &scan.warning] {
+            // Two parts for each set.
+            let set = limits.iter().skip(part / 2).take(1);
+            let half = set.flat_map(|beams| beams.chunks(SCAN_BEAMS_MAX.div_ceil(2)).skip(part % 2).take(1));
+            half.flatten().for_each(|limit_mm| self.add(u32::from(*limit_mm)));
+        }
+        for directions in scan.directions.chunks(SCAN_BEAMS_MAX.div_ceil(PARTS)).skip(part).take(1) {
+            for direction in directions {
+                self.add(direction.x_m.to_bits());
+                self.add(direction.y_m.to_bits());
+            }
+        }
+        scan.watched.iter().for_each(|beams| self.add(u32::from(*beams)));
     }
 
     fn bin(&mut self, bin: &Bin) {

@@ -126,18 +126,20 @@ impl LocalMemory {
         self.forgotten_at.is_some_and(|at| at.past_us(now) < COMPLETE_US)
     }
 
-    /// The robot has moved, as its wheels tell: the window follows it.
-    pub fn follow(&mut self, twist: Twist2, stamp: Stamp) {
-        if let Some(Age::Past(step_us)) = self.at.map(|at| at.age(stamp)) {
-            let step_s = (nearest_f32(step_us) * 1.0e-6).min(STEP_MAX_S);
-            self.pose = moved(self.pose, twist, step_s);
-        }
+    /// The robot has moved, as its wheels tell: the window follows it. Gives the time since they did before, seconds.
+    pub fn follow(&mut self, twist: Twist2, stamp: Stamp) -> f32 {
+        let step_s = match self.at.map(|at| at.age(stamp)) {
+            Some(Age::Past(step_us)) => (nearest_f32(step_us) * 1.0e-6).min(STEP_MAX_S),
+            _ => 0.0,
+        };
+        self.pose = moved(self.pose, twist, step_s);
         (self.twist, self.at) = (twist, Some(stamp));
         if self.span_at.past_us(stamp) >= AGREE_US {
             self.rows.iter_mut().for_each(Row::begin_span);
             self.span_at = stamp;
         }
         self.shift_to(self.wanted_first());
+        step_s
     }
 
     /// Where the robot was at the newest measurement of the wheels.

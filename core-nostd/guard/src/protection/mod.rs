@@ -18,7 +18,9 @@ mod lidar_evidence;
 mod lidar_rays;
 mod local_memory;
 mod memory_row;
+mod motion;
 mod packet_table;
+mod rear_scanner;
 mod receding;
 mod record;
 mod reset;
@@ -28,6 +30,7 @@ mod source;
 mod standstill;
 mod sweep;
 mod swept_outline;
+mod unseen_limits;
 
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
@@ -49,8 +52,10 @@ pub use lidar_rays::LidarRays;
 pub use local_memory::{Cell, LocalMemory};
 #[cfg(test)]
 pub(crate) use memory_row::Row;
+pub use motion::Motion;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
+pub use rear_scanner::RearScanner;
 pub use record::{CauseRecord, Unit};
 pub use reset::{ResetRefusal, ResetReport};
 pub use scan_table::ScanTable;
@@ -60,3 +65,4 @@ pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };
 pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};
+pub use unseen_limits::{SeenBeside, UnseenLimits};

@@ -20,14 +20,19 @@ impl LocalMemory {
     /// Takes in a scan of the safety scanner that fits the table: what it met up to `reach_m` from it, metres.
     pub fn take_scan(&mut self, scan: &Scan, table: &ScanTable, reach_m: f32) {
         self.scans = self.scans.wrapping_add(1);
+        self.take_scan_of((scan, self.scans), table, reach_m);
+    }
+
+    /// The same of any scanner in that plane, with the number of its scan.
+    pub(super) fn take_scan_of(&mut self, (scan, turn): (&Scan, usize), table: &ScanTable, reach_m: f32) {
         let pose = self.pose_at(scan.stamp);
         let (sin, cos) = libm::sincosf(pose.heading_rad);
         let geometry = &table.geometry;
         let mounted = pose.transform(Point2::new(geometry.mounting.x_m, geometry.mounting.y_m));
         let heading_rad = pose.heading_rad + geometry.mounting.heading_rad;
-        self.look_through_plane(scan, geometry, (mounted, heading_rad));
+        self.look_through_plane((scan, turn), geometry, (mounted, heading_rad));
         let [first, last] = beams_of_sector(geometry);
-        let offset = first.wrapping_add(self.scans % BEAM_STEP);
+        let offset = first.wrapping_add(turn % BEAM_STEP);
         let beams = scan.beams.iter().zip(scan.beams.iter().skip(1)).zip(&table.directions).enumerate();
         for (index, ((beam, beside), direction)) in beams.skip(offset).step_by(BEAM_STEP) {
             if index >= last {
@@ -51,14 +56,14 @@ impl LocalMemory {
     /// Clears the scanned cells that a beam has passed through.
     fn look_through_plane(
         &mut self,
-        scan: &Scan,
+        (scan, turn): (&Scan, usize),
         geometry: &ScannerGeometry,
         (at, heading_rad): (Point2, f32),
     ) {
         let [first, last] = beams_of_sector(geometry);
         let per_rad = 1.0 / geometry.step_rad;
         let mut seen_through = heapless::Vec::<Cell, SEEN_THROUGH_MAX>::new();
-        self.for_each_scanned(self.scans % ROW_STEP, |cell| {
+        self.for_each_scanned(turn % ROW_STEP, |cell| {
             let middle = cell.middle();
             let (dx, dy) = (middle.x_m - at.x_m, middle.y_m - at.y_m);
             let bearing_rad = floorguard_types::geometry::wrap_angle(libm::atan2f(dy, dx) - heading_rad);

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use floorguard_types::capacities::REAR_SCANNERS_MAX;
+
 /// Where evidence comes from.
 ///
 /// ```
@@ -29,13 +31,21 @@ pub enum Source {
     Command,
     /// The perception ring.
     Perception,
+    /// Second safety laser scanner, which looks behind.
+    RearScanner,
 }
 
 impl Source {
-    /// How many there are.
-    pub const COUNT: usize = 8;
+    /// How many there are: a board lacks the memory for a second scanner.
+    pub const COUNT: usize = Self::FIRST + REAR_SCANNERS_MAX;
+    /// How many every program knows.
+    pub(crate) const FIRST: usize = 8;
     /// All of them, in the order of [`Self::index`].
-    pub const ALL: [Self; Self::COUNT] = [
+    pub const ALL: [Self; Self::COUNT] = match Self::EVERY.first_chunk() {
+        Some(all) => *all,
+        None => [Self::Scanner; Self::COUNT],
+    };
+    const EVERY: [Self; 9] = [
         Self::Scanner,
         Self::Lidar,
         Self::Discrete,
@@ -44,6 +54,7 @@ impl Source {
         Self::Drive,
         Self::Command,
         Self::Perception,
+        Self::RearScanner,
     ];
 
     /// Position in [`Self::ALL`].
@@ -65,6 +76,7 @@ impl Source {
             Self::Drive => "drive",
             Self::Command => "wanted command",
             Self::Perception => "perception",
+            Self::RearScanner => "rear safety scanner",
         }
     }
 }
@@ -145,6 +157,16 @@ pub struct SourceRules {
 }
 
 impl SourceRules {
+    /// Of a source that the robot has not.
+    pub const ABSENT: Self = Self {
+        fitted: false,
+        required_at_start: false,
+        limit_after_us: 100_000,
+        limit_mps: 0.3,
+        stop_after_us: None,
+        frozen_samples: 0,
+    };
+
     /// A fitted and required source with its two ages in milliseconds and the speed between them.
     #[must_use]
     pub const fn required(limit_after_ms: u64, limit_mps: f32, stop_after_ms: u64) -> Self {

@@ -176,6 +176,7 @@ fn fg_req_017_every_flipped_bit_of_the_configuration_stops() {
     flip_all!(config.fields);
     flip_all!(config.footprint);
     flip_all!(config.scanner);
+    flip_all!(config.unseen);
     flip_all!(config.lidar.elevations_rad);
     flip_all!(config.lidar.floor_clearance_m);
     flip_all!(config.lidar.body_height_m);

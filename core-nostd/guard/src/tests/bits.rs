@@ -2,7 +2,7 @@
 //! another of their values, as one bit.
 
 use crate::field_selection::FieldSelection;
-use crate::motion_checks::{Motion, MotionChecks, Persistence};
+use crate::motion_checks::{MotionChecks, Persistence};
 use crate::protection::{
     CauseRecord, DriveLimits, FaultKind, FieldSet, HeldCause, HeldCauses, ScannerGeometry, SourceRules,
     Thresholds, Travel, Unit,
@@ -167,7 +167,7 @@ fields! {
     }
     State {
         monitors, machine, selection, motion, checks, wanted, wanted_fastest_mps, permitted, decided_at, started, scans_with_hit,
-        packet_returns, silent_cdeg, blocked_forward, blocked_backward,
+        rear_scans_with_hit, packet_returns, silent_cdeg, blocked_forward, blocked_backward,
     }
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }
     DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m }
@@ -176,6 +176,7 @@ fields! {
         warning_speed_mps, person_speed_mps, person_near_m, memory_reach_m, escape_speed_mps, emergency_action, overspeed_us,
         speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
     }
+    UnseenLimits { forward_mps, turning_mps, spinning_mps, reverse_mps, unknown_rear_mps, known_after_m }
     FieldSet { travel, speed_max_mps, protective, warning }
     ScannerGeometry { mounting, first_angle_rad, step_rad, beams, sector_rad }
 }

@@ -3,7 +3,7 @@
 use super::fixtures::{Rig, config, forward, packet};
 use crate::limiter::limited;
 use crate::machine::DecisionMachine;
-use crate::motion_checks::{Motion, MotionChecks};
+use crate::motion_checks::MotionChecks;
 use crate::packet_check::BLIND_RUN_CDEG;
 use crate::protection::{CauseRecord, FaultKind, HeldCauses};
 use crate::rules::Clear;

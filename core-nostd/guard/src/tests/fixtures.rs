@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use crate::*;
-use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2, wrap_angle};
 use floorguard_types::sensing::*;
 use floorguard_types::time::Stamp;
 use floorguard_types::units::radians;
@@ -34,6 +34,7 @@ pub fn config() -> GuardConfig {
             beams: 541,
             sector_rad: [radians(-135.0), radians(135.0)],
         },
+        rear_scanner: None,
         lidar: LidarGeometry {
             mounting: Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, 0.0, 0.0),
             elevations_rad: (0..16_i8).map(|ring| radians(f32::from(ring) * 2.0 - 15.0)).collect(),
@@ -50,8 +51,18 @@ pub fn config() -> GuardConfig {
             wheelbase_m: 0.8,
         },
         thresholds: Thresholds::default(),
+        unseen: UnseenLimits::NONE,
         sources: GuardConfig::default_sources(),
     }
+}
+
+/// The same robot with a second scanner at its rear, which looks behind and along both sides.
+pub fn config_with_rear() -> GuardConfig {
+    let mut config = config();
+    let mounting = Pose2::new(-0.43, 0.0, core::f32::consts::PI);
+    config.rear_scanner = Some(ScannerGeometry { mounting, ..config.scanner });
+    config.sources[Source::RearScanner.index()] = config.rules(Source::Scanner);
+    config
 }
 
 /// The tables of a configuration.
@@ -68,12 +79,21 @@ pub fn forward(mps: f32) -> Twist2 {
 
 /// A scan with hits at the given points of the robot frame (three adjacent beams each), free elsewhere.
 pub fn scan(stamp: Stamp, sequence: u32, obstacles: &[Point2]) -> Scan {
-    let geometry = config().scanner;
+    scan_of(&config().scanner, (stamp, sequence), obstacles)
+}
+
+/// The same of any scanner; what lies outside of its view is not met.
+pub fn scan_of(geometry: &ScannerGeometry, (stamp, sequence): (Stamp, u32), obstacles: &[Point2]) -> Scan {
     let mut beams: Vec<BeamReturn, { floorguard_types::capacities::SCAN_BEAMS_MAX }> =
         (0..geometry.beams).map(|_| BeamReturn::Free(30_000)).collect();
     for point in obstacles {
         let (dx, dy) = (point.x_m - geometry.mounting.x_m, point.y_m - geometry.mounting.y_m);
-        let beam = ((libm::atan2f(dy, dx) - geometry.first_angle_rad) / geometry.step_rad).round() as usize;
+        let bearing_rad = wrap_angle(libm::atan2f(dy, dx) - geometry.mounting.heading_rad);
+        let beam = ((bearing_rad - geometry.first_angle_rad) / geometry.step_rad).round();
+        if !(0.0..geometry.beams as f32).contains(&beam) {
+            continue;
+        }
+        let beam = beam as usize;
         for index in beam.saturating_sub(1)..=(beam + 1).min(geometry.beams - 1) {
             beams[index] = BeamReturn::Hit((dx.hypot(dy) * 1.0e3) as u16);
         }
@@ -237,6 +257,16 @@ impl Rig {
             Source::Perception if self.sequence.is_multiple_of(10) => {
                 let people = self.people.iter().copied().collect();
                 self.guard.on_advice(&Advice { stamp, people, ..Advice::default() }, now);
+            }
+            Source::RearScanner if self.sequence % 4 == 2 => {
+                if let Some(geometry) = self.guard.config().rear_scanner {
+                    let sequence = if self.frozen_scanner { 1 } else { self.sequence };
+                    let mut scan = scan_of(&geometry, (stamp, sequence), &self.obstacles);
+                    // Noise, without which it would be frozen.
+                    scan.beams[0] = BeamReturn::Free(29_000 + (self.sequence % 97) as u16);
+                    self.guard.on_rear_scan(&scan, now);
+                    self.guard.remember_rear_scan(&scan);
+                }
             }
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! The precomputed tables against plane geometry in 64 bits.
 
-use super::fixtures::{config, rectangle, tables};
+use super::fixtures::{config, config_with_rear, rectangle, tables};
 use crate::*;
 use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
 use floorguard_types::units::radians;
@@ -192,37 +192,73 @@ fn fg_req_020_each_beam_has_the_reach_of_its_field() {
     assert_eq!(table.watched[config.fields.len()], 0);
 }
 
+fn rear_table() -> RearScanner {
+    let config = config_with_rear();
+    let mut rear = RearScanner::EMPTY;
+    rear.fill(config.rear_scanner.as_ref(), &config.fields);
+    rear
+}
+
+#[test]
+fn fg_req_017_every_part_of_the_rear_table_is_checked() {
+    let config = config_with_rear();
+    let body = Body::around(&config.footprint);
+    let ((scan, packet), whole) = (tables(&config), rear_table());
+    let noticed = |rear: &RearScanner| {
+        let mut integrity = Integrity::NONE;
+        let whole = [whole.clone()];
+        integrity.remember(&config, body, ((&scan, &whole), &packet, &LidarRays::NONE));
+        let tables = ((&scan, core::slice::from_ref(rear)), &packet, &LidarRays::NONE);
+        (0..PARTS).filter(|_| !integrity.check_next(&config, body, tables)).count()
+    };
+    assert_eq!(noticed(&whole), 0);
+    for beam in (0..541_usize).step_by(7) {
+        let mut other = whole.clone();
+        match beam % 3 {
+            0 => other.table.directions[beam].x_m += 0.25,
+            1 => other.table.protective[beam % 8][beam] ^= 2,
+            _ => other.table.warning[beam % 8][beam] ^= 2,
+        }
+        assert_eq!(noticed(&other), 1, "beam {beam}");
+    }
+    let mut other = whole.clone();
+    other.table.geometry.beams = 540;
+    assert_eq!(noticed(&other), 1);
+}
+
 #[test]
 fn fg_req_017_every_part_of_the_tables_is_checked() {
     let config = config();
     let body = Body::around(&config.footprint);
-    let (scan, packet) = tables(&config);
+    let ((scan, packet), rear) = (tables(&config), [rear_table()]);
     let mut rays = LidarRays::NONE;
     rays.fill(&config.lidar);
     let fresh = || {
         let mut integrity = Integrity::NONE;
-        integrity.remember(&config, body, (&scan, &packet, &rays));
+        integrity.remember(&config, body, ((&scan, &rear), &packet, &rays));
         integrity
     };
-    let noticed = |config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable, &LidarRays)| {
+    let noticed = |config: &GuardConfig,
+                   body: Body,
+                   tables: ((&ScanTable, &[RearScanner]), &PacketTable, &LidarRays)| {
         let mut integrity = fresh();
         (0..PARTS).filter(|_| !integrity.check_next(config, body, tables)).count()
     };
-    assert_eq!(noticed(&config, body, (&scan, &packet, &rays)), 0);
+    assert_eq!(noticed(&config, body, ((&scan, &rear), &packet, &rays)), 0);
     let mut nothing = Integrity::NONE;
-    assert!(!nothing.check_next(&config, body, (&scan, &packet, &rays)), "nothing is remembered");
+    assert!(!nothing.check_next(&config, body, ((&scan, &rear), &packet, &rays)), "nothing is remembered");
     let mut twice = fresh();
-    assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, (&scan, &packet, &rays))));
+    assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, ((&scan, &rear), &packet, &rays))));
     let other_config = {
         let mut other = config.clone();
         other.drive.speed_mps += 0.1;
         other
     };
-    assert_eq!(noticed(&other_config, body, (&scan, &packet, &rays)), 1);
-    assert_eq!(noticed(&config, Body { x_m: [-0.45, 0.96], ..body }, (&scan, &packet, &rays)), 1);
+    assert_eq!(noticed(&other_config, body, ((&scan, &rear), &packet, &rays)), 1);
+    assert_eq!(noticed(&config, Body { x_m: [-0.45, 0.96], ..body }, ((&scan, &rear), &packet, &rays)), 1);
     let mut other_scan = scan.clone();
     other_scan.geometry.beams = 540;
-    assert_eq!(noticed(&config, body, (&other_scan, &packet, &rays)), 1);
+    assert_eq!(noticed(&config, body, ((&other_scan, &rear), &packet, &rays)), 1);
     for bin in 0..180_usize {
         let mut other = packet.clone();
         match bin % 6 {
@@ -233,7 +269,7 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
             4 => other.bins[bin].height_mm[15] ^= 4,
             _ => other.bins[bin].least_share ^= 0x4000,
         }
-        assert_eq!(noticed(&config, body, (&scan, &other, &rays)), 1, "bin {bin}");
+        assert_eq!(noticed(&config, body, ((&scan, &rear), &other, &rays)), 1, "bin {bin}");
     }
     for beam in 0..541_usize {
         let mut other = scan.clone();
@@ -243,15 +279,15 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
             2 => other.protective[beam % 8][beam] ^= 2,
             _ => other.warning[beam % 8][beam] ^= 2,
         }
-        assert_eq!(noticed(&config, body, (&other, &packet, &rays)), 1, "beam {beam}");
+        assert_eq!(noticed(&config, body, ((&other, &rear), &packet, &rays)), 1, "beam {beam}");
     }
     let mut other = packet.clone();
     other.origin.x_m += 0.125;
-    assert!(noticed(&config, body, (&scan, &other, &rays)) > 0);
+    assert!(noticed(&config, body, ((&scan, &rear), &other, &rays)) > 0);
     let mut other = scan.clone();
     other.watched[7] = 1;
-    assert!(noticed(&config, body, (&other, &packet, &rays)) > 0);
+    assert!(noticed(&config, body, ((&other, &rear), &packet, &rays)) > 0);
     let mut other = rays.clone();
     other.rings[3][1] += 0.125;
-    assert!(noticed(&config, body, (&scan, &packet, &other)) > 0);
+    assert!(noticed(&config, body, ((&scan, &rear), &packet, &other)) > 0);
 }

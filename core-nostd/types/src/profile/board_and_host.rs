@@ -13,6 +13,8 @@ pub trait Profile: Copy + Debug + Default + PartialEq + Eq + 'static {
     type Reflectivity: Keep;
     /// Beams of a scan.
     type Beams: Size;
+    /// Safety scanners beside the first one.
+    type RearScanners: Size;
     /// Clusters kept of one sweep; the farthest are dropped first and counted.
     type Clusters: Size;
     /// Provisional names of objects while a sweep is grouped: one for each place where something begins. A sweep of a hall
@@ -63,6 +65,8 @@ impl Profile for Board {
     type Reflectivity = LeftOut;
     /// 270° at 0.5° and both ends (SICK S300).
     type Beams = Of<541>;
+    /// The table of a second one takes 22 KiB.
+    type RearScanners = Of<0>;
     type Clusters = Of<256>;
     type Labels = Of<4_096>;
     type Tracks = Of<32>;
@@ -87,6 +91,7 @@ impl Profile for Host {
     type Reflectivity = Kept;
     /// The microScan3 family delivers up to 2,751.
     type Beams = Of<2_751>;
+    type RearScanners = Of<1>;
     type Clusters = Of<1_024>;
     type Labels = Of<16_384>;
     type Tracks = Of<128>;

@@ -5,6 +5,8 @@ mod encounters;
 mod fault_class;
 mod fault_matrix;
 mod fault_phase;
+#[cfg(test)]
+mod rear_tests;
 mod removal;
 #[cfg(test)]
 mod removal_tests;

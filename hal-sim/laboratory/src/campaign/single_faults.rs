@@ -40,6 +40,7 @@ const fn sources(stream: Stream) -> &'static [&'static str] {
     match stream {
         Stream::LidarData | Stream::LidarPosition => &["lidar", "perception"],
         Stream::ScannerSerial | Stream::ScannerData => &["safety scanner"],
+        Stream::RearScannerSerial => &["rear safety scanner"],
         Stream::ImuSerial => &["inertial sensor"],
         Stream::Can => &["wheel encoders", "drive", "safety inputs", "wanted command", "perception"],
     }

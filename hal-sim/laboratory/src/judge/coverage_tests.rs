@@ -12,6 +12,9 @@ const CAMERA: &str = "\n[camera]\nsource = \"v4l2:/dev/video2\"\nwidth = 640\nhe
                       cy = 239.5\nmounting = { x_m = 0.9, y_m = 0.0, z_m = 0.72, pitch_deg = 48.0 }\n";
 const LIDAR: &str = "x_m = 0.50, y_m = 0.0, z_m = 0.80, roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 0.0";
 const SCANNER: &str = "x_m = 0.90, y_m = 0.0, z_m = 0.15, roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 0.0";
+const CORNER: &str = "x_m = 0.93, y_m = 0.38, z_m = 0.15, roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 45.0";
+const REAR_SCANNER: &str = "\n[rear_scanner]\nmodel = \"s300\"\nsource = \"serial:/dev/ttyUSB3\"\nbaud = 500000\n\
+                            mounting = { x_m = -0.43, y_m = -0.38, z_m = 0.15, yaw_deg = -135.0 }\n";
 /// Higher than this above the floor a beam has met the object, metres.
 const MET_M: f32 = 0.002;
 /// A beam on lower objects may be taken for one on the floor, metres.
@@ -46,10 +49,12 @@ fn direction(azimuth_deg: f32, elevation_deg: f32) -> Vector {
 
 /// S300: 541 beams from −135° to 135°. VLP-16: sixteen rings from −15° to 15°, 0.2° apart at 600 rpm.
 fn beams(robot: &RobotConfiguration, camera: Option<Mounting>) -> Vec<Beam> {
-    let [first, last] = robot.scanner.sector_rad.map(f32::to_degrees);
-    let scanner = (0..541).map(|beam| beam as f32 * 0.5 - 135.0).filter(|deg| (first..=last).contains(deg));
-    let mut all =
-        beams_of(&robot.scanner.mounting, scanner.map(|deg| direction(deg, 0.0)), [0.0, 30.0], false);
+    let mut all = Vec::new();
+    for scanner in [robot.scanner].into_iter().chain(robot.rear_scanner) {
+        let [first, last] = scanner.sector_rad.map(f32::to_degrees);
+        let plane = (0..541).map(|beam| beam as f32 * 0.5 - 135.0).filter(|deg| (first..=last).contains(deg));
+        all.extend(beams_of(&scanner.mounting, plane.map(|deg| direction(deg, 0.0)), [0.0, 30.0], false));
+    }
     let rings = (0..16).map(|ring| ring as f32 * 2.0 - 15.0);
     let lidar = rings.flat_map(|deg| (0..1_800).map(move |step| direction(step as f32 * 0.2, deg)));
     all.extend(beams_of(&robot.lidar.mounting, lidar, [0.45, 100.0], true));
@@ -156,6 +161,7 @@ fn seen_places_are_met_by_rays() {
         EXAMPLE
             .replace(SCANNER, &format!("{SCANNER} }}\nsector_first_deg = -10.0\nsector_last_deg = 10.0\n#")),
         format!("{EXAMPLE}{CAMERA}"),
+        format!("{}{REAR_SCANNER}", EXAMPLE.replace(SCANNER, CORNER)),
     ];
     let mut all = Compared::default();
     for (seed, text) in (1..).zip(&mountings) {

@@ -2,7 +2,7 @@
 
 use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
-use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice};
+use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice, SensorMount};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
@@ -95,6 +95,20 @@ fn hole(drop: &DropTruth) -> judge::Thing {
     }
 }
 
+/// A second scanner, an S300, that is as fast as the first one.
+fn rear_scanner(mount: SensorMount, first: &judge::Sensor) -> judge::Sensor {
+    judge::Sensor {
+        name: "rear scanner".to_owned(),
+        at_m: [mount.x_m, mount.y_m, mount.z_m],
+        yaw_rad: mount.yaw_rad,
+        view: judge::SensorView::Plane {
+            half_angle_rad: 135.0_f32.to_radians(),
+            step_rad: 0.5_f32.to_radians(),
+        },
+        ..first.clone()
+    }
+}
+
 /// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
 fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
     let (scanner, lidar) = (parameters.scanner, parameters.lidar);
@@ -114,6 +128,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         sees_holes: false,
         beams_min: 2,
     };
+    let rear_scanner = parameters.rear_scanner.map(|mount| rear_scanner(mount, &scanner));
     let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
     let lidar = judge::Sensor {
         name: "lidar".to_owned(),
@@ -150,7 +165,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
     });
     let switches: Vec<judge::Sensor> = switches.collect();
     let camera = has_camera.then_some(camera);
-    [scanner, lidar].into_iter().chain(camera).chain(switches).collect()
+    [scanner, lidar].into_iter().chain(rear_scanner).chain(camera).chain(switches).collect()
 }
 
 /// A person as it is.

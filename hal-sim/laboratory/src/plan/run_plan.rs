@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
-use floorguard_sim::robot::{RobotParameters, ScannerDevice};
+use floorguard_sim::robot::{RobotParameters, ScannerDevice, SensorMount};
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 use floorguard_sim::simulation::Simulation;
-use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Point3, Pose2};
 
 use super::mission_plan::{navigation_of_scenario, plan_of_scenario};
 use super::outside::OutsideProgram;
@@ -229,7 +229,9 @@ impl Plan {
             ScannerModel::S300 => ScannerDevice::S300,
             ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
         };
-        RobotParameters { scanner_device, ..RobotParameters::default() }
+        let rear_scanner = self.robot.rear_scanner.map(|scanner| mount(&scanner.mounting));
+        let scanner = mount(&self.robot.scanner.mounting);
+        RobotParameters { scanner, scanner_device, rear_scanner, ..RobotParameters::default() }
     }
 
     /// Where the odometry frame lies in the world.
@@ -239,13 +241,24 @@ impl Plan {
     }
 }
 
+fn is_level(scanner: &ScannerConfiguration) -> bool {
+    (scanner.mounting.roll_rad, scanner.mounting.pitch_rad) == (0.0, 0.0)
+}
+
+/// A scanner's place; a simulated one is level.
+fn mount(mounting: &Mounting) -> SensorMount {
+    let Point3 { x_m, y_m, z_m } = mounting.position;
+    SensorMount { x_m, y_m, z_m, yaw_rad: mounting.yaw_rad }
+}
+
 /// The section in which a robot has another body than the simulated one.
 fn other_body(read: &HostedConfiguration, example: &HostedConfiguration) -> Option<&'static str> {
     let (own, simulated) = (&read.robot, &example.robot);
     let same = [
         ("robot", own.geometry == simulated.geometry),
         ("lidar", own.lidar == simulated.lidar),
-        ("scanner", own.scanner.mounting == simulated.scanner.mounting),
+        ("scanner", is_level(&own.scanner)),
+        ("rear_scanner", own.rear_scanner.as_ref().is_none_or(is_level)),
         ("imu", own.imu == simulated.imu),
         ("can] or [inputs", own.can == simulated.can),
     ];

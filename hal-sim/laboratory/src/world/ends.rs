@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use embedded_can::Frame as _;
-use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_sim::CanFrame as SimCanFrame;
 use floorguard_sim::can::{SlcanDecoder, encode_slcan};
 use floorguard_sim::{Payload, Stream, WireEvent};
@@ -47,6 +47,7 @@ enum ScannerEnd {
 pub(super) struct Ends {
     lidar: UdpSocket,
     scanner: ScannerEnd,
+    rear_scanner: Option<PseudoTerminal>,
     imu: PseudoTerminal,
     can: CanEnd,
     /// Messages that a full line refused.
@@ -55,10 +56,12 @@ pub(super) struct Ends {
 
 impl Ends {
     /// Both ends: the simulator's and the robot's. Without a CAN interface of the kernel the bus is an SLCAN adapter.
-    pub fn open(scanner: ScannerModel, can_interface: Option<&str>) -> anyhow::Result<(Self, Links)> {
+    pub fn open(robot: &RobotConfiguration, can_interface: Option<&str>) -> anyhow::Result<(Self, Links)> {
         let (lidar, robot_lidar) = loopback()?;
         let terminal = || PseudoTerminal::open().context("no pseudo-terminal");
-        let (scanner, robot_scanner) = ScannerEnd::open(scanner)?;
+        let (scanner, robot_scanner) = ScannerEnd::open(robot.scanner.model)?;
+        let rear_scanner = robot.rear_scanner.map(|_| terminal()).transpose()?;
+        let rear_line = rear_scanner.as_ref().map(|line| line.device.clone());
         let imu = terminal()?;
         let (can, address) = match can_interface {
             Some(name) => (CanEnd::Interface(open_interface(name)?), CanAddress::SocketCan(name.to_owned())),
@@ -71,6 +74,7 @@ impl Ends {
         let links = Links {
             lidar: Some((robot_lidar, Listening::default())),
             scanner: robot_scanner,
+            rear_scanner: rear_line.map(|device| SerialAddress { device, baud: SCANNER_BAUD }),
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: Some(address),
             base: None,
@@ -83,7 +87,7 @@ impl Ends {
             lateness: Lateness::default(),
             latches: None,
         };
-        Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
+        Ok((Self { lidar, scanner, rear_scanner, imu, can, refused: 0 }, links))
     }
 
     /// Puts on the line what a device sends.
@@ -91,6 +95,9 @@ impl Ends {
         let delivered = match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => self.lidar.send(&bytes).is_ok(),
             (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => self.scanner.send(&bytes),
+            (Stream::RearScannerSerial, Payload::Bytes(bytes)) => {
+                self.rear_scanner.as_ref().is_none_or(|line| write_all(line, &bytes))
+            }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => write_all(&self.imu, &bytes),
             (Stream::Can, Payload::Frame(frame)) => self.can.send(&frame),
             _ => true,

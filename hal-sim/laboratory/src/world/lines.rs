@@ -15,6 +15,7 @@ use floorguard_robot::assembly::ScannerCarrier;
 pub(super) struct Lines {
     pub(super) lidar: DatagramPipe,
     scanner: ScannerPipe,
+    rear_scanner: PipeWriter,
     imu: PipeWriter,
     pub(super) can: CanPipe,
 }
@@ -22,6 +23,7 @@ pub(super) struct Lines {
 /// The robot's ends of the serial lines.
 pub(super) struct Ends {
     pub(super) scanner: ScannerCarrier<PipeReader, DatagramPipe>,
+    pub(super) rear_scanner: PipeReader,
     pub(super) imu: DuplexPipe,
     /// What the robot writes to the inertial sensor.
     pub(super) from_imu_line: PipeReader,
@@ -35,9 +37,11 @@ impl Lines {
         let (scanner, scanner_reader) = ScannerPipe::new(scanner);
         let (imu, imu_reader) = byte_pipe();
         let (to_imu, from_imu_line) = byte_pipe();
-        let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
+        let (rear_scanner, rear_reader) = byte_pipe();
+        let lines =
+            Self { lidar: DatagramPipe::default(), scanner, rear_scanner, imu, can: CanPipe::default() };
         let imu = DuplexPipe { reader: imu_reader, writer: to_imu };
-        (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
+        (lines, Ends { scanner: scanner_reader, rear_scanner: rear_reader, imu, from_imu_line })
     }
 
     pub(super) fn deliver(&self, event: WireEvent, now_us: u64, sinks: &mut RunSinks) {
@@ -50,6 +54,10 @@ impl Lines {
             (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
                 sinks.delivered(when, TapeLine::Scanner, &bytes);
                 self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
+            }
+            (Stream::RearScannerSerial, Payload::Bytes(bytes)) => {
+                sinks.delivered(when, TapeLine::RearScanner, &bytes);
+                self.rear_scanner.push(&bytes);
             }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => {
                 sinks.delivered(when, TapeLine::Imu, &bytes);

@@ -56,7 +56,7 @@ pub fn run_real_recorded(
     sinks: &mut RunSinks,
 ) -> anyhow::Result<CarrierFigures> {
     let mut simulation = plan.simulation()?;
-    let (mut ends, links) = Ends::open(plan.robot.scanner.model, can_interface)?;
+    let (mut ends, links) = Ends::open(&plan.robot, can_interface)?;
     let mut links = links.commanded(plan.command.as_ref())?;
     if let Some(address) = links.command.as_ref().and_then(|(command, _)| command.local_address()) {
         say!("  waits for velocities at udp:{address}");

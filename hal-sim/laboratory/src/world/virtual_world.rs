@@ -177,11 +177,12 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         navigator: navigation.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
     };
     let mut watches = Watches::of(setup, navigation);
-    let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
-    let mut tasks = TaskSet::new();
+    let (lines, Ends { scanner, rear_scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
+    let (mut tasks, mut orders) = (TaskSet::new(), Vec::new());
     let carriers = GuardCarriers {
         lidar: plan.robot.has_lidar.then(|| lines.lidar.clone()),
         scanner,
+        rear_scanner: plan.robot.rear_scanner.map(|_| rear_scanner),
         imu: Some((imu, IMU_BAUD)),
         can: has_bus(plan).then(|| lines.can.clone()),
         tap: None,
@@ -189,7 +190,6 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let (base, guard_tasks) = (spawn_outside(&mut tasks, plan, &shared), tasks.len());
     spawn_planning(&mut tasks, plan, &shared, (&mut perception, &mut planners));
-    let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
         if world.sinks.ended.is_stopped() {

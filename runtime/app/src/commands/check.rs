@@ -6,7 +6,9 @@ mod picture;
 use std::path::PathBuf;
 
 use clap::Args;
-use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, absences, load};
+use floorguard_configuration::{
+    Coverage, Direction, HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, absences, load,
+};
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::ScannerModel;
 
@@ -44,6 +46,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
             let is_accepted = configuration.accepted_gaps.iter().any(|accepted| accepted.is_same(&gap.gap));
             say!("  {} {}", if is_accepted { "accepted" } else { "NOT ACCEPTED" }, words(gap));
         }
+        say_limits(&configuration, &coverage);
     }
     match refusals.first() {
         None => Ok(()),
@@ -64,7 +67,11 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
         if is_good { "good" } else { "read" },
         robot.fields.len(),
         lidar(configuration),
-        scanner(robot.scanner.model),
+        [scanner(robot.scanner.model)]
+            .into_iter()
+            .chain(robot.rear_scanner.map(|rear| format!("rear scanner {}", scanner(rear.model))))
+            .collect::<Vec<_>>()
+            .join(", "),
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
@@ -85,6 +92,25 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
     say!(
         "  what no sensor sees where the body goes (objects 10 cm wide, bars 3 cm thick; speeds of its fastest point):"
     );
+}
+
+/// What the gaps cost in speed, by direction.
+fn say_limits(configuration: &HostedConfiguration, coverage: &Coverage) {
+    say!("  what that costs (speeds of the fastest point of the body):");
+    let limits = configuration.direction_limits(coverage);
+    for limit in &limits {
+        say!("  {limit}");
+    }
+    say!("  {} of {} directions are slower than [limits]", limits.len(), Direction::ALL.len());
+    let unseen = &configuration.robot.unseen;
+    if unseen.known_after_m > 0.0 {
+        say!(
+            "  turns at most {:.2} m/s until the robot has driven {:.2} m ahead, and after half a minute of standing: no sensor \
+             looks beside the rear",
+            unseen.unknown_rear_mps,
+            unseen.known_after_m
+        );
+    }
 }
 
 /// One gap: how fast the body comes there, where it is widest, in which motion from which speed on.

@@ -1,7 +1,7 @@
 //! Configuration, baked from `robot.toml` by the build script.
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
-use floorguard_guard::{Action, Thresholds};
+use floorguard_guard::{Action, Thresholds, UnseenLimits};
 use floorguard_runtime::configuration::{
     BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
     LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,

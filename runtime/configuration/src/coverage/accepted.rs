@@ -4,7 +4,12 @@ use std::fmt;
 
 use super::analysis::Coverage;
 use super::gap::Gap;
+use super::limits::GapSpeed;
 use crate::reader::Reader;
+
+/// Speeds at which a gap can be accepted, m/s.
+const SLOWEST_MPS: f32 = 0.05;
+const FASTEST_MPS: f32 = 2.0;
 
 /// A gap that a file accepts, as it is written there.
 pub type AcceptedGap = Gap;
@@ -68,22 +73,39 @@ impl Coverage {
     }
 }
 
+/// What a file accepts: every gap, and those of them that are accepted up to a speed.
+#[derive(Default)]
+pub(crate) struct Accepted {
+    pub(crate) gaps: Vec<AcceptedGap>,
+    pub(crate) speeds: Vec<GapSpeed>,
+}
+
+/// A name with or without a speed behind it, m/s.
+fn parse(text: &str) -> Option<(Gap, Option<f32>)> {
+    let Some((name, speed)) = text.split_once(" at ") else { return Some((Gap::parse(text)?, None)) };
+    let number = speed.strip_suffix(" m/s")?.parse::<f32>().ok();
+    Some((Gap::parse(name)?, Some(number.filter(|mps| (SLOWEST_MPS..=FASTEST_MPS).contains(mps))?)))
+}
+
 /// Reads `accept_unseen`: what names no gap is refused, and what stands there twice.
-pub(crate) fn read_accepted(section: &Reader<'_>) -> Vec<AcceptedGap> {
-    let mut accepted: Vec<AcceptedGap> = Vec::new();
+pub(crate) fn read_accepted(section: &Reader<'_>) -> Accepted {
+    let mut accepted = Accepted::default();
     for (text, span) in section.texts("accept_unseen", "[\"rear-left below 0.16 m\"]") {
-        match Gap::parse(text) {
-            Some(gap) if accepted.iter().any(|known| known.is_same(&gap)) => section.refuse(
+        match parse(text) {
+            Some((gap, _)) if accepted.gaps.iter().any(|known| known.is_same(&gap)) => section.refuse(
                 &span,
                 format!("[guard]: `accept_unseen` has \"{text}\" twice"),
                 "leave one of the two out",
             ),
-            Some(gap) => accepted.push(gap),
+            Some((gap, speed)) => {
+                accepted.gaps.push(gap);
+                accepted.speeds.extend(speed.map(|touched_mps| GapSpeed { gap, touched_mps }));
+            }
             None => section.refuse(
                 &span,
                 format!("[guard]: `accept_unseen`: \"{text}\" is not the name of a gap"),
                 "write it as `floorguard check` prints it, for example \"rear-left below 0.16 m\", \"rear stepping in below 0.60 m\" \
-                 or \"front hanging 0.80 to 1.40 m\"",
+                 or \"front hanging 0.80 to 1.40 m\", and behind it \" at 0.30 m/s\" (0.05 to 2) where the robot is to be slower",
             ),
         }
     }

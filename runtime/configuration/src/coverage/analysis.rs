@@ -38,6 +38,12 @@ pub struct GapMotion {
     pub steps: Vec<SpeedStep>,
     /// So fast the body comes there at most, m/s.
     pub reached_mps: f32,
+    /// How fast it comes there, as a share of its fastest point at most.
+    pub body_share: f32,
+    /// So fast its fastest point may be, and nothing there is unseen, m/s.
+    pub free_mps: f32,
+    /// So fast its fastest point is at the limits of the robot, m/s.
+    pub fastest_mps: f32,
 }
 
 /// A gap of the sensors, and how the body comes into it.
@@ -107,7 +113,8 @@ impl Coverage {
     #[must_use]
     pub fn of(robot: &RobotConfiguration, camera: Option<&CameraConfiguration>) -> Self {
         let guard = robot.guard();
-        let rays = match SensorRays::of(&guard, &robot.scanner, camera) {
+        let scanners: Vec<_> = [robot.scanner].into_iter().chain(robot.rear_scanner).collect();
+        let rays = match SensorRays::of(&guard, &scanners, camera) {
             rays if robot.has_lidar => rays,
             rays => rays.without_lidar(),
         };
@@ -271,16 +278,30 @@ impl Kind<'_> {
     /// How a motion comes into a gap: every speed at which it is wider than at any lower one.
     fn of_motion(&self, motion: Motion, heights: impl Fn(Found) -> Option<[f32; 2]>) -> Option<GapMotion> {
         let (mut steps, mut reached_mps): (Vec<SpeedStep>, f32) = (Vec::new(), 0.0);
-        for (sample, found) in self.samples.iter().zip(self.found()) {
-            let Some([low_m, high_m]) = heights(found).filter(|_| sample.motion == motion) else { continue };
+        let (mut body_share, mut free_mps, mut fastest_mps) = (0.0_f32, 0.0_f32, 0.0_f32);
+        let samples = self.samples.iter().zip(self.found()).filter(|(sample, _)| sample.motion == motion);
+        for (sample, found) in samples {
+            fastest_mps = fastest_mps.max(sample.fastest_mps);
+            let Some([low_m, high_m]) = heights(found) else {
+                free_mps = if steps.is_empty() { sample.fastest_mps } else { free_mps };
+                continue;
+            };
             reached_mps = reached_mps.max(found.reached_mps);
+            body_share = body_share.max(found.reached_mps / sample.fastest_mps.max(1.0e-3));
             let [least_m, greatest_m] = steps.last().map_or([f32::MAX, f32::MIN], |step| step.heights_m);
             if low_m < least_m || high_m > greatest_m {
                 let heights_m = [low_m.min(least_m), high_m.max(greatest_m)];
                 steps.push(SpeedStep { from_mps: sample.fastest_mps, heights_m });
             }
         }
-        (!steps.is_empty()).then_some(GapMotion { motion, steps, reached_mps })
+        (!steps.is_empty()).then_some(GapMotion {
+            motion,
+            steps,
+            reached_mps,
+            body_share,
+            free_mps,
+            fastest_mps,
+        })
     }
 }
 

@@ -7,6 +7,7 @@ mod accepted;
 mod analysis;
 mod area;
 mod gap;
+mod limits;
 mod rays;
 mod sight;
 #[cfg(test)]
@@ -16,6 +17,8 @@ pub use accepted::{AcceptedGap, Refusal};
 pub use analysis::{Coverage, GapMotion, SensorGap, SpeedStep};
 pub use area::{Motion, Region};
 pub use gap::{Gap, Unseen};
+pub use limits::{Direction, DirectionLimit, GapSpeed};
 pub use sight::{BAR_M, HEIGHTS_M, Sight};
 
-pub(super) use accepted::read_accepted;
+pub(super) use accepted::{Accepted, read_accepted};
+pub(super) use limits::unseen_limits;

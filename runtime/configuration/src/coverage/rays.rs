@@ -8,7 +8,7 @@ use floorguard_types::sensing::ImageSize;
 use crate::camera::CameraConfiguration;
 
 /// The protective field of a safety scanner ends here for black clothes, metres (book, Coverage of the sensors).
-const SCANNER_RANGE_M: [f32; 2] = [0.05, 3.0];
+pub(super) const SCANNER_RANGE_M: [f32; 2] = [0.05, 3.0];
 /// The lidar measures nothing nearer, metres, and the memory keeps nothing farther.
 const LIDAR_RANGE_M: [f32; 2] = [0.46, 10.0];
 /// A depth camera tells an object from the floor between these distances, metres.
@@ -105,7 +105,7 @@ impl Frustum {
 pub struct RayHeights {
     /// Of the lidar.
     pub lidar_m: Vec<f32>,
-    /// Of the safety scanner.
+    /// Of the safety scanners.
     pub scanner_m: Vec<f32>,
     /// From here on the floor camera sees what stands there.
     pub camera_m: Option<f32>,
@@ -115,7 +115,7 @@ pub struct RayHeights {
 #[derive(Clone, Debug)]
 pub struct SensorRays {
     lidar: Vec<Fan>,
-    scanner: Fan,
+    scanners: Vec<Fan>,
     camera: Option<Frustum>,
 }
 
@@ -124,7 +124,7 @@ impl SensorRays {
     #[must_use]
     pub fn of(
         guard: &GuardConfig,
-        scanner: &ScannerConfiguration,
+        scanners: &[ScannerConfiguration],
         camera: Option<&CameraConfiguration>,
     ) -> Self {
         let all_around = [-core::f32::consts::PI, core::f32::consts::PI];
@@ -134,16 +134,19 @@ impl SensorRays {
             sector_rad: all_around,
             range_m: LIDAR_RANGE_M,
         };
-        let first_rad = scanner.model.first_angle_rad();
-        let [from_rad, to_rad] = scanner.sector_rad;
-        Self {
-            lidar: guard.lidar.elevations_rad.iter().map(ring).collect(),
-            scanner: Fan {
+        let plane = |scanner: &ScannerConfiguration| {
+            let first_rad = scanner.model.first_angle_rad();
+            let [from_rad, to_rad] = scanner.sector_rad;
+            Fan {
                 mounting: scanner.mounting.transform(),
                 tangent: 0.0,
                 sector_rad: [from_rad.max(first_rad), to_rad.min(-first_rad)],
                 range_m: SCANNER_RANGE_M,
-            },
+            }
+        };
+        Self {
+            lidar: guard.lidar.elevations_rad.iter().map(ring).collect(),
+            scanners: scanners.iter().map(plane).collect(),
             camera: camera.map(Frustum::of),
         }
     }
@@ -159,7 +162,7 @@ impl SensorRays {
     pub fn over(&self, place: Point2) -> RayHeights {
         let mut heights = RayHeights::default();
         self.lidar.iter().for_each(|ring| ring.heights_over(place, &mut heights.lidar_m));
-        self.scanner.heights_over(place, &mut heights.scanner_m);
+        self.scanners.iter().for_each(|scanner| scanner.heights_over(place, &mut heights.scanner_m));
         let lowest = Point3::new(place.x_m, place.y_m, CAMERA_OBJECT_M);
         let is_in_view = self.camera.as_ref().is_some_and(|camera| camera.has(lowest));
         heights.camera_m = is_in_view.then_some(CAMERA_OBJECT_M);

@@ -13,6 +13,7 @@ use crate::reader::Reader;
 pub(crate) struct Addresses<'a> {
     pub lidar: Option<&'a DatagramAddress>,
     pub scanner: &'a ScannerAddress,
+    pub rear_scanner: Option<&'a SerialAddress>,
     pub imu: Option<&'a SerialAddress>,
     pub can: Option<&'a CanAddress>,
     pub base: Option<&'a BaseAddress>,
@@ -28,6 +29,7 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         ScannerAddress::Serial(line) => lines.push(("scanner", &line.device)),
         ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
     }
+    lines.extend(addresses.rear_scanner.map(|line| ("rear_scanner", line.device.as_path())));
     lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));
     match addresses.command {
         Some(CommandAddress::Datagrams(port)) => ports.push(("command", *port)),

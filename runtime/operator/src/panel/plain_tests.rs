@@ -41,7 +41,7 @@ enum SourceFailure {
 /// clock or the length of a line.
 fn failures(source: Source) -> Vec<SourceFailure> {
     let own: &[SourceFailure] = match source {
-        Source::Scanner => &[
+        Source::Scanner | Source::RearScanner => &[
             SourceFailure::Ahead,
             SourceFailure::Reported(FaultKind::Device(1)),
             SourceFailure::Reported(FaultKind::StandBy),
@@ -106,12 +106,14 @@ fn hear(guard: &mut Supervisor, source: Source, failure: Option<SourceFailure>, 
 fn measure(guard: &mut Supervisor, source: Source, sample: &Sample, now: Stamp) {
     let Sample { stamp, number, range_raw } = *sample;
     match source {
-        Source::Scanner => {
-            let geometry = guard.config().scanner;
+        Source::Scanner | Source::RearScanner => {
+            let config = guard.config();
+            let is_rear = source == Source::RearScanner;
+            let geometry = config.rear_scanner.filter(|_| is_rear).unwrap_or(config.scanner);
             let beams = (0..geometry.beams).map(|_| BeamReturn::Free(u16::MAX)).collect();
             let (first_angle_rad, step_rad) = (geometry.first_angle_rad, geometry.step_rad);
             let scan = Scan { stamp, sequence: number.into(), first_angle_rad, step_rad, beams };
-            guard.on_scan(&scan, now)
+            if is_rear { guard.on_rear_scan(&scan, now) } else { guard.on_scan(&scan, now) }
         }
         Source::Lidar => {
             let column = |azimuth_cdeg| {
@@ -140,7 +142,9 @@ fn measure(guard: &mut Supervisor, source: Source, sample: &Sample, now: Stamp) 
 /// What a guard with the usual rules says of a source to which something happens.
 fn records(source: Source, failure: SourceFailure) -> Vec<CauseRecord> {
     let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
-    let config = GuardConfig { sources: GuardConfig::default_sources(), ..robot.guard() };
+    let mut config = GuardConfig { sources: GuardConfig::default_sources(), ..robot.guard() };
+    config.rear_scanner = Some(config.scanner);
+    config.sources[Source::RearScanner.index()] = GuardConfig::RULES_OF_SCANNER;
     let mut guard = Box::new(Supervisor::UNCONFIGURED);
     guard.configure(config, Stamp::ZERO).unwrap();
     let mut records: Vec<CauseRecord> = Vec::new();

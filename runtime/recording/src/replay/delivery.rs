@@ -11,6 +11,7 @@ pub(super) fn delivery(recorded: &Recorded) -> Option<(TapeLine, &[u8])> {
     let line = match stream {
         RawStream::Lidar => TapeLine::Lidar,
         RawStream::Scanner => TapeLine::Scanner,
+        RawStream::RearScanner => TapeLine::RearScanner,
         RawStream::Imu => TapeLine::Imu,
         RawStream::CanReceived => TapeLine::Can,
         RawStream::Operator => TapeLine::from_number(u16::from(*bytes.first()?))?,

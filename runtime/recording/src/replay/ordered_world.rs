@@ -38,6 +38,7 @@ pub(super) struct OrderedRun<'a> {
 struct Lines {
     lidar: ScriptedLine,
     scanner: ScriptedLine,
+    rear_scanner: ScriptedLine,
     imu: ScriptedLine,
     can: ScriptedLine,
 }
@@ -47,6 +48,7 @@ impl Lines {
         match line {
             TapeLine::Lidar => Some(&self.lidar),
             TapeLine::Scanner => Some(&self.scanner),
+            TapeLine::RearScanner => Some(&self.rear_scanner),
             TapeLine::Imu => Some(&self.imu),
             TapeLine::Can => Some(&self.can),
             _ => None,
@@ -63,6 +65,7 @@ impl Lines {
                 ScannerModel::S300 => ScannerCarrier::Serial(self.scanner.clone()),
                 ScannerModel::MicroScan3 { .. } => ScannerCarrier::Datagrams(self.scanner.clone()),
             },
+            rear_scanner: run.robot.rear_scanner.map(|_| self.rear_scanner.clone()),
             imu: Some((self.imu.clone(), run.imu_baud)),
             can: (run.robot.base == BaseKind::ThreeWheel).then(|| self.can.clone()),
             tap: None,
@@ -73,13 +76,13 @@ impl Lines {
 /// What the recording holds and the order has not yet named.
 #[derive(Default)]
 struct Waiting {
-    bytes: [VecDeque<(Stamp, Vec<u8>)>; 4],
+    bytes: [VecDeque<(Stamp, Vec<u8>)>; 5],
     sent: VecDeque<Vec<u8>>,
 }
 
 impl Waiting {
     fn of(&mut self, line: TapeLine) -> Option<&mut VecDeque<(Stamp, Vec<u8>)>> {
-        let lines = [TapeLine::Lidar, TapeLine::Scanner, TapeLine::Imu, TapeLine::Can];
+        let lines = [TapeLine::Lidar, TapeLine::Scanner, TapeLine::Imu, TapeLine::Can, TapeLine::RearScanner];
         let index = lines.iter().position(|each| *each == line)?;
         self.bytes.get_mut(index)
     }

@@ -42,6 +42,7 @@ pub const IMU_BAUD: u32 = 115_200;
 struct Lines {
     lidar: DatagramPipe,
     scanner: ScannerPipe,
+    rear_scanner: PipeWriter,
     imu: PipeWriter,
     can: CanPipe,
     from_imu_line: PipeReader,
@@ -159,14 +160,16 @@ fn play<R: Read>(
     let mut perception = new_perception(robot, stages);
     perception.motion.learn(learning.as_ref());
     let (scanner, scanner_reader) = ScannerPipe::new(robot.scanner.model);
+    let (rear_scanner, rear_reader) = byte_pipe();
     let (imu, imu_reader) = byte_pipe();
     let (to_imu, from_imu_line) = byte_pipe();
-    let lines =
-        Lines { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default(), from_imu_line };
+    let (lidar, can) = (DatagramPipe::default(), CanPipe::default());
+    let lines = Lines { lidar, scanner, rear_scanner, imu, can, from_imu_line };
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
         lidar: robot.has_lidar.then(|| lines.lidar.clone()),
         scanner: scanner_reader,
+        rear_scanner: robot.rear_scanner.map(|_| rear_reader),
         imu: Some((DuplexPipe { reader: imu_reader, writer: to_imu }, baud)),
         can: (robot.base == BaseKind::ThreeWheel).then(|| lines.can.clone()),
         tap: None,
@@ -295,6 +298,7 @@ impl Stage<'_> {
         match line {
             TapeLine::Lidar => self.lines.lidar.push(arrival, bytes.to_vec()),
             TapeLine::Scanner => self.lines.scanner.push(arrival, bytes),
+            TapeLine::RearScanner => self.lines.rear_scanner.push(bytes),
             TapeLine::Imu => self.lines.imu.push(bytes),
             TapeLine::Can => {
                 if let Some((id, payload)) = bytes.split_first_chunk::<2>() {

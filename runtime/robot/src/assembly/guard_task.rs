@@ -19,11 +19,13 @@ pub enum GuardTask {
     Advice,
     /// The buttons for reset and start.
     Operator,
+    /// The second safety scanner.
+    RearScanner,
 }
 
 impl GuardTask {
     /// All of them, in the order of their numbers in recordings: new ones come at the end.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Lidar,
         Self::Scanner,
         Self::Imu,
@@ -32,6 +34,7 @@ impl GuardTask {
         Self::Command,
         Self::Advice,
         Self::Operator,
+        Self::RearScanner,
     ];
 
     /// Its number in a recording.
@@ -58,6 +61,7 @@ impl GuardTask {
             Self::Command => "command",
             Self::Advice => "advice",
             Self::Operator => "operator",
+            Self::RearScanner => "rear safety scanner",
         }
     }
 }
@@ -71,6 +75,6 @@ mod tests {
         for task in GuardTask::ALL {
             assert_eq!(GuardTask::from_number(task.number()), Some(task));
         }
-        assert_eq!(GuardTask::from_number(8), None);
+        assert_eq!(GuardTask::from_number(9), None);
     }
 }

@@ -35,6 +35,8 @@ pub struct Links {
     pub lidar: Option<(UdpSocket, Listening)>,
     /// The safety scanner's line or port.
     pub scanner: ScannerLink,
+    /// The second safety scanner's line.
+    pub rear_scanner: Option<SerialAddress>,
     /// The inertial sensor's line.
     pub imu: Option<SerialAddress>,
     /// The CAN bus, if the drives are on one.
@@ -95,6 +97,7 @@ impl Links {
         Ok(Self {
             lidar,
             scanner,
+            rear_scanner: carriers.rear_scanner.clone(),
             imu,
             can: carriers.can.clone(),
             base: carriers.base.as_ref().map(BoundFrames::base).transpose()?,
@@ -148,6 +151,11 @@ impl Links {
                 ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
             }
         };
+        let rear_scanner = self.rear_scanner.map(|address| {
+            let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+            note("rear safety scanner", problem);
+            Tapped::new(line, TapeLine::RearScanner, tap.clone())
+        });
         let imu = self.imu.map(|address| {
             let (line, problem) = ReconnectingLine::new(address.device, address.baud);
             note("inertial sensor", problem);
@@ -161,6 +169,7 @@ impl Links {
         Ok(GuardCarriers {
             lidar,
             scanner,
+            rear_scanner,
             imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
             can,
             tap,

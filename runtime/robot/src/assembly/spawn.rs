@@ -20,7 +20,7 @@ use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, NoMotion, PerceptionState, can_bus, clean, drive_route,
     imu_input, lidar_input, navigate, observed_advice_input, observed_command_input, observed_operator_input,
-    perceive, scanner_datagrams, scanner_input, supervise,
+    perceive, rear_scanner_input, scanner_datagrams, scanner_input, supervise,
 };
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
@@ -47,6 +47,8 @@ pub struct GuardCarriers<L, S, D, I, C> {
     pub lidar: Option<L>,
     /// Safety scanner.
     pub scanner: ScannerCarrier<S, D>,
+    /// Second safety scanner, an S300; a robot can do without.
+    pub rear_scanner: Option<S>,
     /// Inertial sensor and its bit rate; a robot can do without.
     pub imu: Option<(I, u32)>,
     /// CAN bus, if the drives are on one.
@@ -208,6 +210,11 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
         tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
         names.push(GuardTask::Imu);
+    }
+    if let Some(line) = carriers.rear_scanner {
+        let receiver = s300::Receiver::new(s300::Configuration::default());
+        tasks.spawn(rear_scanner_input(shared, line, receiver));
+        names.push(GuardTask::RearScanner);
     }
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     if let Some(can) = carriers.can {

@@ -65,7 +65,8 @@ impl Lines {
             TapeLine::Start => shared.start.signal(()),
             TapeLine::Pause => shared.pause(true),
             TapeLine::Resume => shared.pause(false),
-            TapeLine::Route => {}
+            // The board has no second scanner.
+            TapeLine::Route | TapeLine::RearScanner => {}
         }
     }
 }

@@ -1,0 +1,52 @@
+//! How the robot moves, by each sensor that measures it.
+
+use super::config::GuardConfig;
+use super::sweep::fastest_mps;
+use floorguard_types::geometry::{Point2, Twist2};
+
+/// Motion as each sensor tells it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Encoders of the rear wheels.
+    pub wheels: Twist2,
+    /// Gyroscope, rad/s.
+    pub gyro_radps: f32,
+    /// What the driven wheel and its steering angle make of the robot's motion.
+    pub drive: Twist2,
+    /// Speed of the fastest point of the body by the encoders, m/s.
+    pub wheels_fastest_mps: f32,
+    /// The same by the drive, m/s.
+    pub drive_fastest_mps: f32,
+}
+
+impl Motion {
+    /// Nothing moves.
+    pub const STILL: Self = Self {
+        wheels: Twist2::ZERO,
+        gyro_radps: 0.0,
+        drive: Twist2::ZERO,
+        wheels_fastest_mps: 0.0,
+        drive_fastest_mps: 0.0,
+    };
+
+    /// The encoders measured.
+    pub fn hear_wheels(&mut self, measured: Twist2, outline: &[Point2]) {
+        self.wheels = measured;
+        self.wheels_fastest_mps = fastest_mps(outline, measured);
+    }
+
+    /// The drive reported a speed of its wheel over ground, m/s, and a steering angle, radians. Sine and cosine are
+    /// taken here, and not at each decision.
+    pub fn hear_drive(&mut self, wheel_mps: f32, steering_rad: f32, config: &GuardConfig) {
+        let (sin, cos) = libm::sincosf(steering_rad);
+        let angular_radps = wheel_mps * sin / config.drive.wheelbase_m;
+        self.drive = Twist2 { linear_mps: wheel_mps * cos, angular_radps };
+        self.drive_fastest_mps = fastest_mps(&config.footprint, self.drive);
+    }
+
+    /// Speed of the fastest point of the body, by the source that measures more, m/s.
+    #[must_use]
+    pub fn fastest_mps(&self) -> f32 {
+        self.wheels_fastest_mps.max(self.drive_fastest_mps)
+    }
+}

@@ -1,0 +1,77 @@
+//! The sensors that the guard listens to: read together, because two of them share no line, and two scanners share a plane.
+
+use floorguard_runtime::configuration::{ImuConfiguration, LidarConfiguration, ScannerConfiguration};
+
+use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::command::CommandAddress;
+use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
+use super::reader::Reader;
+
+/// Scan planes whose heights differ by more are not one, metres.
+const SAME_PLANE_M: f32 = 0.01;
+
+/// Why no robot does without.
+const NO_SCANNER: &str = "the safety scanner is the protection that sees feet and children in time, and stops the robot when all \
+    else fails: no robot drives without; add the section";
+
+/// A device of a section, with its address; `None`: it is wrong.
+pub(super) type Read<C, A> = Option<(C, A)>;
+
+/// The sensors that the guard listens to, as far as they were read.
+pub(super) struct Sensors {
+    pub(super) lidar: Option<Read<LidarConfiguration, DatagramAddress>>,
+    pub(super) scanner: Read<ScannerConfiguration, ScannerAddress>,
+    pub(super) rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
+    pub(super) imu: Option<Read<ImuConfiguration, SerialAddress>>,
+}
+
+impl Sensors {
+    pub(super) fn read(top: &Reader<'_>) -> Self {
+        Self {
+            lidar: top.optional_section("lidar").map(read_lidar),
+            scanner: read_scanner(top.section_because("scanner", NO_SCANNER)),
+            rear_scanner: top.optional_section("rear_scanner").map(read_rear_scanner),
+            imu: top.optional_section("imu").map(read_imu),
+        }
+    }
+
+    /// What two devices cannot share, and what two scanners must.
+    pub(super) fn check(
+        &self,
+        top: &Reader<'_>,
+        (can, base, command): (Option<&CanAddress>, Option<&BaseAddress>, Option<&CommandAddress>),
+    ) {
+        let Some((first, scanner)) = &self.scanner else { return };
+        let (lidar, imu) = (address_of(&self.lidar), address_of(&self.imu));
+        let rear_scanner = address_of(&self.rear_scanner);
+        check_addresses(top, &Addresses { lidar, scanner, rear_scanner, imu, can, base, command });
+        let rear = self.rear_scanner.as_ref().and_then(Option::as_ref);
+        check_planes(top, first, rear.map(|(scanner, _)| scanner));
+    }
+}
+
+/// Where such a device is, if it was read.
+fn address_of<C, A>(read: &Option<Read<C, A>>) -> Option<&A> {
+    read.as_ref().and_then(Option::as_ref).map(|(_, address)| address)
+}
+
+/// Both scanners look along one plane: what either meets, the other clears when it looks through its place.
+fn check_planes(top: &Reader<'_>, first: &ScannerConfiguration, rear: Option<&ScannerConfiguration>) {
+    let height_m = |scanner: &ScannerConfiguration| scanner.mounting.position.z_m;
+    let is_other = |rear: &&ScannerConfiguration| (height_m(rear) - height_m(first)).abs() > SAME_PLANE_M;
+    let Some(rear) = rear.filter(is_other) else { return };
+    top.refuse(
+        &top.find("rear_scanner").map_or(0..0, |value| value.span()),
+        format!(
+            "[rear_scanner]: its scan plane is {} m high, that of [scanner] {} m: the one would look over what the other has met",
+            height_m(rear),
+            height_m(first)
+        ),
+        "mount both at the same height",
+    );
+}
+
+/// A device that a robot can do without: none if its section is missing, refused if it is wrong.
+pub(super) fn fitted<C, A>(read: Option<Read<C, A>>) -> Option<(Option<C>, Option<A>)> {
+    read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
+}
