@@ -3,16 +3,15 @@
 //! | ring | tasks |
 //! |---|---|
 //! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
-//! | perception | [`perceive`], and [`drive_route`], [`clean`] or [`navigate`] |
+//! | perception | [`perceive`], and [`drive_route`] or [`drive_mission`] |
 
 mod advise;
 mod buttons;
 mod can;
-mod clean;
 mod imu;
 mod inputs;
 mod lidar;
-mod navigate;
+mod mission;
 mod perception;
 mod route;
 mod scanner;
@@ -23,14 +22,13 @@ mod velocity_base;
 pub use advise::PERSON_PROBABILITY_MIN;
 pub use buttons::BusWithButtons;
 pub use can::can_bus;
-pub use clean::{CleaningMission, MissionMoment, clean};
 pub use imu::imu_input;
 pub use inputs::{
     GuardInput, advice_input, command_input, observed_advice_input, observed_command_input,
     observed_operator_input, operator_input,
 };
 pub use lidar::lidar_input;
-pub use navigate::{Navigation, NavigationMoment, navigate};
+pub use mission::{Mission, MissionMoment, drive_mission};
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;
 pub use scanner::{scanner_datagrams, scanner_input};

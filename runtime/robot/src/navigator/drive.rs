@@ -10,7 +10,7 @@ use floorguard_navigation::recovery::{
     Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, RecoveryTimes, Trail,
 };
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{Navigation, NavigationMoment};
+use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
 use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
@@ -339,7 +339,7 @@ impl Navigator {
     }
 
     /// Why the robot stands, if it is to stand or is not let.
-    fn standing_reason(&self, moment: &NavigationMoment<'_>) -> Option<StandingReason> {
+    fn standing_reason(&self, moment: &MissionMoment<'_>) -> Option<StandingReason> {
         let is_held = moment.decision.is_none_or(|decision| is_standing(decision.permitted));
         let is_asked = !is_standing(self.requested);
         match (self.phase, self.step) {
@@ -359,8 +359,8 @@ impl Navigator {
     }
 }
 
-impl Navigation for Navigator {
-    fn step(&mut self, moment: &NavigationMoment<'_>) -> Twist2 {
+impl Mission for Navigator {
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
         let began = *self.began.get_or_insert(moment.now);
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
         let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);
