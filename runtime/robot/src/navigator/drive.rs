@@ -12,7 +12,7 @@ use floorguard_navigation::recovery::{
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
-use floorguard_types::motion::{MovingPerson, Waypoint};
+use floorguard_types::motion::{Gear, MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
 
 use super::course::Course;
@@ -174,6 +174,11 @@ impl Navigator {
                 self.failure = None;
                 self.is_proved = true;
                 self.course = Course::new(plan, path);
+                if self.course.gear().is_none() {
+                    // Too near for the lattice.
+                    let ahead = |pose_in_map| Waypoint { pose_in_map, gear: Gear::Ahead };
+                    self.course = Course::new(plan, vec![ahead(pose), ahead(goal)]);
+                }
                 self.steering.restart();
             }
             Err(failure) => {
@@ -222,7 +227,9 @@ impl Navigator {
             };
             match command.verdict {
                 LocalVerdict::Arrived if !self.course.is_last() => self.course.next_piece(),
-                LocalVerdict::NoPath => {
+                // At the end of a path and not at the goal: a follower ends beside it. From here another path leads there.
+                LocalVerdict::Arrived if self.is_at_goal(pose) => return command,
+                LocalVerdict::Arrived | LocalVerdict::NoPath => {
                     self.course = Course::default();
                     break;
                 }
@@ -336,26 +343,6 @@ impl Navigator {
         let wants = !is_standing(self.requested);
         let is_held = decision.is_none_or(|decision| is_standing(decision.permitted));
         self.held_s = if wants && is_held { self.held_s + lasted_s } else { 0.0 };
-    }
-
-    /// Why the robot stands, if it is to stand or is not let.
-    fn standing_reason(&self, moment: &MissionMoment<'_>) -> Option<StandingReason> {
-        let is_held = moment.decision.is_none_or(|decision| is_standing(decision.permitted));
-        let is_asked = !is_standing(self.requested);
-        match (self.phase, self.step) {
-            _ if moment.is_paused => Some(StandingReason::Paused),
-            (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
-            (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
-                Some(StandingReason::Recovery(step))
-            }
-            _ if is_asked && is_held => Some(
-                moment
-                    .decision
-                    .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
-            ),
-            (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
-            _ => None,
-        }
     }
 }
 
