@@ -107,8 +107,13 @@ pub struct ReceiverOf<P: Profile> {
 
 /// What stands at the front of the buffer.
 enum Front {
-    /// A whole telegram of this many bytes, by this rule.
-    Telegram(usize, usize),
+    /// A whole telegram.
+    Telegram {
+        /// Its bytes.
+        length: usize,
+        /// Index of the size rule that it follows.
+        rule: usize,
+    },
     /// Perhaps one; so many bytes more will tell.
     Unfinished(usize),
     /// None.
@@ -183,7 +188,7 @@ impl<P: Profile> ReceiverOf<P> {
                     return;
                 }
                 Front::Nothing => self.discard(1),
-                Front::Telegram(length, rule) => {
+                Front::Telegram { length, rule } => {
                     self.rule = rule;
                     self.counters.telegrams = self.counters.telegrams.saturating_add(1);
                     if let Some(reading) = self.interpret(length, now) {
@@ -246,7 +251,7 @@ impl<P: Profile> ReceiverOf<P> {
         for rule in order {
             let Some(length) = lengths.get(rule).copied().flatten() else { continue };
             match used.get(..length) {
-                Some(whole) if self.sum.confirms(whole) => return Front::Telegram(length, rule),
+                Some(whole) if self.sum.confirms(whole) => return Front::Telegram { length, rule },
                 Some(_) => {}
                 None => {
                     let missing = length.saturating_sub(used.len());

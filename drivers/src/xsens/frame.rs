@@ -65,8 +65,13 @@ pub struct FrameReceiver {
 
 /// What stands at the front of the buffer.
 enum Front {
-    /// A right frame: header bytes, data bytes.
-    Frame(usize, usize),
+    /// A right frame.
+    Frame {
+        /// Bytes before the data.
+        header: usize,
+        /// Bytes of the data.
+        data: usize,
+    },
     /// Perhaps one; more bytes will tell.
     Unfinished,
     /// A preamble with a wrong sum behind it.
@@ -124,7 +129,7 @@ impl FrameReceiver {
     fn consume(&mut self, message: &mut impl FnMut(Message<'_>, usize)) {
         for _ in 0..BUFFER_BYTES {
             match self.front() {
-                Front::Frame(header, data) => {
+                Front::Frame { header, data } => {
                     self.counters.frames = self.counters.frames.saturating_add(1);
                     let end = header.saturating_add(data);
                     let total = end.saturating_add(1);
@@ -162,7 +167,7 @@ impl FrameReceiver {
         }
         let Some(summed) = bytes.get(1..=header.saturating_add(data)) else { return Front::Unfinished };
         let sum = summed.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
-        if sum == 0 { Front::Frame(header, data) } else { Front::Broken }
+        if sum == 0 { Front::Frame { header, data } } else { Front::Broken }
     }
 
     /// Drops the first byte, and then everything that cannot begin a frame.

@@ -45,6 +45,15 @@ impl DriveState {
     }
 }
 
+/// What the mechanics really do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredMotion {
+    /// Of the wheel's rim, m/s.
+    pub speed_mps: f32,
+    /// Of the steered wheel, counter-clockwise, radians.
+    pub angle_rad: f32,
+}
+
 /// A drive on the bus.
 #[derive(Clone, Debug)]
 pub struct Drive {
@@ -125,11 +134,11 @@ impl Drive {
         self.node.emergency(code, 0x01, out);
     }
 
-    /// One step of the ramps; `speed_mps` and `angle_rad` are what the mechanics really do.
-    pub fn tick(&mut self, now_us: u64, step_s: f32, measured: (f32, f32), out: &mut Vec<CanFrame>) {
+    /// One step of the ramps.
+    pub fn tick(&mut self, now_us: u64, step_s: f32, measured: MeasuredMotion, out: &mut Vec<CanFrame>) {
         self.watch_master(out);
         self.ramp(step_s);
-        let (speed_mps, angle_rad) = measured;
+        let MeasuredMotion { speed_mps, angle_rad } = measured;
         self.standing = speed_mps.abs() < 0.005;
         self.node.objects.set(0x606C, 0, ((speed_mps * 1.0e3).round() as i32) as u32);
         if self.kind == DriveKind::Steering {
@@ -244,6 +253,10 @@ mod tests {
         drive
     }
 
+    fn moving_at(speed_mps: f32) -> MeasuredMotion {
+        MeasuredMotion { speed_mps, angle_rad: 0.0 }
+    }
+
     #[test]
     fn climbs_only_in_order() {
         let mut drive = Drive::new(5, DriveKind::Traction);
@@ -257,14 +270,14 @@ mod tests {
         let mut drive = enabled();
         let mut out = Vec::new();
         for step in 0..100 {
-            drive.tick(step * 10_000, 0.01, (drive.demand_mps(), 0.0), &mut out);
+            drive.tick(step * 10_000, 0.01, moving_at(drive.demand_mps()), &mut out);
         }
         assert!((drive.demand_mps() - 0.5).abs() < 1e-3);
         send(&mut drive, 0x02, 500);
         assert_eq!(drive.state(), DriveState::QuickStop);
-        drive.tick(0, 0.1, (0.4, 0.0), &mut out);
+        drive.tick(0, 0.1, moving_at(0.4), &mut out);
         assert!((drive.demand_mps() - 0.3).abs() < 1e-3, "2 m/s² for 0.1 s");
-        drive.tick(0, 0.5, (0.0, 0.0), &mut out);
+        drive.tick(0, 0.5, moving_at(0.0), &mut out);
         assert_eq!(drive.state(), DriveState::SwitchOnDisabled);
     }
 
@@ -288,7 +301,7 @@ mod tests {
             assert_eq!(out.pop().map(|answer| answer.data[0]), Some(0x60), "{write:02X?}");
         }
         drive.receive(&CanFrame::new(0x000, &[1, 0]), 0, &mut out);
-        drive.tick(0, 0.001, (-1.234, 0.0), &mut out);
+        drive.tick(0, 0.001, moving_at(-1.234), &mut out);
         out.clear();
         drive.receive(&CanFrame::new(0x080, &[]), 0, &mut out);
         assert_eq!(out, [CanFrame::new(0x185, &[0x37, 0x02, 0x2E, 0xFB, 0xFF, 0xFF])]);
@@ -300,10 +313,10 @@ mod tests {
         let mut out = Vec::new();
         drive.receive(&CanFrame::new(0x605, &[0x23, 0x16, 0x10, 0x01, 0xC8, 0, 0x7F, 0]), 0, &mut out);
         drive.receive(&CanFrame::new(0x77F, &[5]), 0, &mut out);
-        drive.tick(190_000, 0.01, (0.5, 0.0), &mut out);
+        drive.tick(190_000, 0.01, moving_at(0.5), &mut out);
         assert_eq!(drive.state(), DriveState::Enabled);
-        drive.tick(210_000, 0.01, (0.5, 0.0), &mut out);
-        drive.tick(220_000, 0.01, (0.5, 0.0), &mut out);
+        drive.tick(210_000, 0.01, moving_at(0.5), &mut out);
+        drive.tick(220_000, 0.01, moving_at(0.5), &mut out);
         assert_eq!(drive.state(), DriveState::QuickStop);
     }
 
@@ -321,9 +334,9 @@ mod tests {
             }
             drive.receive(&CanFrame::new(0x000, &[1, 0]), 0, &mut out);
             drive.receive(&CanFrame::new(0x77F, &[5]), 0, &mut out);
-            drive.tick(210_000, 0.01, (0.5, 0.0), &mut out);
+            drive.tick(210_000, 0.01, moving_at(0.5), &mut out);
             out.clear();
-            drive.tick(310_000, 0.01, (0.5, 0.0), &mut out);
+            drive.tick(310_000, 0.01, moving_at(0.5), &mut out);
             let beat = out.iter().find(|frame| frame.id == 0x705).expect("a heartbeat");
             assert_eq!(beat.payload(), [state], "{behaviour:?}");
         }

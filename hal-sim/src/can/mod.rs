@@ -8,7 +8,7 @@ mod gateway;
 mod node;
 mod slcan;
 
-pub use drive::{Drive, DriveKind, DriveState};
+pub use drive::{Drive, DriveKind, DriveState, MeasuredMotion};
 pub use encoder::Encoder;
 pub use frame::CanFrame;
 pub use gateway::{Gateway, SafetyChannels};

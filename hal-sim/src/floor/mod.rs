@@ -15,6 +15,6 @@ mod texture;
 pub use camera::FloorCamera;
 pub use kinds::{DirtKind, FloorKind};
 pub use light::{Lamp, Lighting, Shadow};
-pub use picture::{FloorPicture, MarkingColour};
+pub use picture::{FloorPicture, MarkingColour, PictureMoment};
 pub use scene::FloorScene;
 pub use spill::Spill;

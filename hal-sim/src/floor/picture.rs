@@ -1,5 +1,7 @@
 //! A picture with its truth.
 
+use floorguard_types::sensing::ImageSize;
+
 use super::kinds::DirtKind;
 
 /// Colour of the line that a safety projector draws on the floor.
@@ -11,11 +13,20 @@ pub enum MarkingColour {
     Green,
 }
 
+/// When a picture is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureMoment {
+    /// Number of the picture; its noise follows from it.
+    pub frame: u32,
+    /// Since the lamps were switched on, seconds: some flicker, and shadows move.
+    pub at_s: f32,
+}
+
 /// A rendered picture and what is on each of its pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FloorPicture {
     /// Columns and rows.
-    pub size: (usize, usize),
+    pub size: ImageSize,
     /// Red, green, blue, row by row.
     pub rgb: Vec<u8>,
     /// The kind of dirt of each pixel.

@@ -2,11 +2,12 @@
 
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::ImageSize;
 
 use super::camera::{FloorCamera, Sight};
 use super::kinds::{DirtKind, FloorKind};
 use super::light::Lighting;
-use super::picture::{FloorPicture, MarkingColour};
+use super::picture::{FloorPicture, MarkingColour, PictureMoment};
 use super::spill::Spill;
 use super::texture::{Surface, surface};
 
@@ -66,10 +67,15 @@ impl FloorScene {
         }
     }
 
-    /// A picture from a pose of the robot at a time. The noise follows from scene, pose and `frame`.
+    /// A picture from a pose of the robot at a time. The noise follows from scene, pose and frame.
     #[must_use]
-    pub fn picture(&self, camera: &FloorCamera, robot_in_world: Pose2, when: (u32, f32)) -> FloorPicture {
-        self.picture_with(camera, robot_in_world, when, |_| false)
+    pub fn picture(
+        &self,
+        camera: &FloorCamera,
+        robot_in_world: Pose2,
+        moment: PictureMoment,
+    ) -> FloorPicture {
+        self.picture_with(camera, robot_in_world, moment, |_| false)
     }
 
     /// The same with specks of dirt wherever `is_speck` says so of a place of the world.
@@ -77,10 +83,10 @@ impl FloorScene {
         &self,
         camera: &FloorCamera,
         robot_in_world: Pose2,
-        (frame, at_s): (u32, f32),
+        PictureMoment { frame, at_s }: PictureMoment,
         is_speck: impl Fn(Point2) -> bool,
     ) -> FloorPicture {
-        let (width, height) = camera.size;
+        let ImageSize { width, height } = camera.size;
         let dot = |index: usize| {
             self.dot((camera, robot_in_world), (index % width, index / width), at_s, &is_speck)
         };
@@ -132,7 +138,8 @@ impl FloorScene {
         }
         let mut dot = Dot { light: self.seen(found, &sight, (place, robot), at_s), dirt, ..Dot::default() };
         // Lenses are darker towards the corners.
-        let (dx, dy) = (column as f32 / camera.size.0 as f32 - 0.5, row as f32 / camera.size.1 as f32 - 0.5);
+        let (dx, dy) =
+            (column as f32 / camera.size.width as f32 - 0.5, row as f32 / camera.size.height as f32 - 0.5);
         dot.light = dot.light.map(|value| value * (1.0 - 0.45 * (dx * dx + dy * dy)));
         dot.is_floor = libm::hypotf(forward, left) < camera.reach_m;
         if let Some((distance_m, colour)) = self.marking {
@@ -208,22 +215,33 @@ mod tests {
 
     #[test]
     fn the_same_seed_is_the_same_picture() {
-        let camera = FloorCamera { size: (160, 120), focal_px: 131.0, ..FloorCamera::default() };
+        let camera = FloorCamera {
+            size: ImageSize { width: 160, height: 120 },
+            focal_px: 131.0,
+            ..FloorCamera::default()
+        };
         let pose = Pose2::new(0.0, 0.0, 0.1);
-        assert_eq!(scene().picture(&camera, pose, (1, 0.0)), scene().picture(&camera, pose, (1, 0.0)));
+        assert_eq!(
+            scene().picture(&camera, pose, PictureMoment { frame: 1, at_s: 0.0 }),
+            scene().picture(&camera, pose, PictureMoment { frame: 1, at_s: 0.0 })
+        );
         assert_ne!(
-            scene().picture(&camera, pose, (1, 0.0)).rgb,
-            scene().picture(&camera, pose, (2, 0.0)).rgb
+            scene().picture(&camera, pose, PictureMoment { frame: 1, at_s: 0.0 }).rgb,
+            scene().picture(&camera, pose, PictureMoment { frame: 2, at_s: 0.0 }).rgb
         );
     }
 
     /// The spot's pixels are where its middle projects to, from two poses.
     #[test]
     fn dirt_stays_in_the_world() {
-        let camera = FloorCamera { size: (160, 120), focal_px: 131.0, ..FloorCamera::default() };
+        let camera = FloorCamera {
+            size: ImageSize { width: 160, height: 120 },
+            focal_px: 131.0,
+            ..FloorCamera::default()
+        };
         for pose in [Pose2::new(0.0, 0.0, 0.0), Pose2::new(0.2, -0.1, 0.2)] {
             let scene = scene();
-            let picture = scene.picture(&camera, pose, (1, 0.0));
+            let picture = scene.picture(&camera, pose, PictureMoment { frame: 1, at_s: 0.0 });
             let middle = camera.pixel(pose, scene.spills[0].centre_in_world).expect("ahead");
             let places = (0..160 * 120).filter(|index| picture.dirt[*index].is_some());
             let (mut x, mut y, mut count) = (0.0, 0.0, 0.0_f32);
@@ -233,7 +251,7 @@ mod tests {
                 count += 1.0;
             }
             assert!(count > 20.0);
-            assert!((x / count - middle.0).abs() < 3.0 && (y / count - middle.1).abs() < 3.0);
+            assert!((x / count - middle.column).abs() < 3.0 && (y / count - middle.row).abs() < 3.0);
             let back = camera.floor_place(pose, middle).expect("below the horizon");
             assert!(back.distance(scene.spills[0].centre_in_world) < 1e-3);
         }

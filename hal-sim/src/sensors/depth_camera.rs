@@ -6,6 +6,7 @@
 use floorguard_perception::floor::DepthNoise;
 use floorguard_types::geometry::{Pose2, wrap_angle};
 use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::ImageSize;
 use parry3d::math::Vector;
 use parry3d::query::Ray;
 
@@ -29,7 +30,7 @@ const REACH_M: f32 = 1.25;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthCamera {
     /// Columns and rows.
-    pub size: (usize, usize),
+    pub size: ImageSize,
     /// Focal length, pixels.
     pub focal_px: f32,
     /// Metres above the floor.
@@ -48,7 +49,7 @@ impl DepthCamera {
     /// The forward camera of the published robot: 0.55 m above the floor (Yan et al. 2020a), tilted up by 8° so that
     /// heads are in view from 2.2 m on.
     pub const FORWARD: Self = Self {
-        size: (640, 480),
+        size: ImageSize { width: 640, height: 480 },
         focal_px: 525.0,
         height_m: 0.55,
         pitch_rad: -0.14,
@@ -58,14 +59,15 @@ impl DepthCamera {
     };
 
     /// The same with 160 × 120 pixels.
-    pub const FORWARD_SMALL: Self = Self { size: (160, 120), focal_px: 131.25, ..Self::FORWARD };
+    pub const FORWARD_SMALL: Self =
+        Self { size: ImageSize { width: 160, height: 120 }, focal_px: 131.25, ..Self::FORWARD };
 }
 
 /// A picture and what is on each of its pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DepthPicture {
     /// Columns and rows.
-    pub size: (usize, usize),
+    pub size: ImageSize,
     /// Along the optical axis in millimetres, row by row; 0 where nothing came back.
     pub depth_mm: Vec<u16>,
     /// Red, green, blue, row by row.
@@ -93,7 +95,7 @@ impl DepthCamera {
     /// A picture of a scene and its people from a pose of the robot; the noise follows from the seed.
     #[must_use]
     pub fn picture(&self, scene: &Scene, people: &[Person], robot: Pose2, seed: u64) -> DepthPicture {
-        let (width, height) = self.size;
+        let ImageSize { width, height } = self.size;
         let camera = robot.compose(Pose2::new(self.forward_m / self.scale, 0.0, 0.0));
         let seen: Vec<Seen<'_>> = people.iter().map(|person| seen(person, camera)).collect();
         let mut random = Pcg32::new(seed, 0xDE);
@@ -118,8 +120,8 @@ impl DepthCamera {
 
     fn dot(&self, scene: &Scene, people: &[Seen<'_>], camera: Pose2, (column, row): (f32, f32)) -> Dot {
         let (sin, cos) = libm::sincosf(self.pitch_rad);
-        let x = (column - (self.size.0 as f32 - 1.0) / 2.0) / self.focal_px;
-        let y = (row - (self.size.1 as f32 - 1.0) / 2.0) / self.focal_px;
+        let x = (column - (self.size.width as f32 - 1.0) / 2.0) / self.focal_px;
+        let y = (row - (self.size.height as f32 - 1.0) / 2.0) / self.focal_px;
         let (forward, left, up) = (cos - y * sin, -x, -sin - y * cos);
         let length = (1.0 + x * x + y * y).sqrt();
         let (heading_sin, heading_cos) = libm::sincosf(camera.heading_rad);
@@ -171,7 +173,7 @@ impl DepthCamera {
 
     /// What lies behind a nearer surface as seen from the projector has no depth.
     fn cast_shadows(&self, dots: &[Dot], depths: &mut [f32]) {
-        let width = self.size.0;
+        let width = self.size.width;
         let reach = self.focal_px * BASELINE_M;
         let disparity = |dot: &Dot| if dot.depth_m > 0.0 { reach / dot.depth_m } else { 0.0 };
         for (line, depths) in dots.chunks(width).zip(depths.chunks_mut(width)) {
@@ -193,7 +195,7 @@ impl DepthCamera {
 
     /// Surfaces seen too flatly have no depth: their depth changes by more than their distance from pixel to pixel.
     fn lose_grazing(&self, dots: &[Dot], depths: &mut [f32]) {
-        let width = self.size.0;
+        let width = self.size.width;
         for (index, depth) in depths.iter_mut().enumerate() {
             let (Some(here), Some(below)) = (dots.get(index), dots.get(index + width)) else { continue };
             let climb = (here.depth_m - below.depth_m).abs();

@@ -3,10 +3,11 @@
 
 use floorguard_perception::floor::DepthNoise;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::ImageSize;
 
 use super::depth_camera::DepthCamera;
 use crate::dirt::DirtyFloor;
-use crate::floor::{FloorCamera, FloorKind, FloorScene};
+use crate::floor::{FloorCamera, FloorKind, FloorScene, PictureMoment};
 use crate::people::Person;
 use crate::scene::Scene;
 
@@ -28,6 +29,17 @@ pub struct FloorCameraSensor {
     seed: u64,
 }
 
+/// From where the camera looks down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FloorCameraMounting {
+    /// Above the floor, metres.
+    pub height_m: f32,
+    /// Before the robot's origin, metres.
+    pub forward_m: f32,
+    /// Downwards from the horizon, radians.
+    pub pitch_rad: f32,
+}
+
 /// What the camera saw at one moment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FloorFrame {
@@ -39,18 +51,19 @@ pub struct FloorFrame {
 
 impl FloorCameraSensor {
     /// Columns and rows of the depth picture.
-    pub const DEPTH_SIZE: (usize, usize) = (160, 120);
+    pub const DEPTH_SIZE: ImageSize = ImageSize { width: 160, height: 120 };
     /// Columns and rows of the colour picture, of the same view.
-    pub const COLOUR_SIZE: (usize, usize) = (320, 240);
+    pub const COLOUR_SIZE: ImageSize = ImageSize { width: 320, height: 240 };
     /// Focal length of the depth picture, pixels.
     pub const FOCAL_PX: f32 = 131.25;
-    /// Metres above the floor, metres before the robot's origin, and radians downwards from the horizon.
-    pub const MOUNTING: (f32, f32, f32) = (0.72, 0.9, 0.85);
+    /// Where it is on the robot.
+    pub const MOUNTING: FloorCameraMounting =
+        FloorCameraMounting { height_m: 0.72, forward_m: 0.9, pitch_rad: 0.85 };
 
     /// The camera over a floor of a kind.
     #[must_use]
     pub fn new(floor: FloorKind, seed: u64) -> Self {
-        let (height_m, forward_m, pitch_rad) = Self::MOUNTING;
+        let FloorCameraMounting { height_m, forward_m, pitch_rad } = Self::MOUNTING;
         Self {
             depth: DepthCamera {
                 size: Self::DEPTH_SIZE,
@@ -79,7 +92,7 @@ impl FloorCameraSensor {
         &self,
         (scene, people, dirt): (&Scene, &[Person], Option<&DirtyFloor>),
         robot: Pose2,
-        (frame, at_s): (u32, f32),
+        PictureMoment { frame, at_s }: PictureMoment,
     ) -> FloorFrame {
         let seed = self.seed.wrapping_mul(1_000_003).wrapping_add(u64::from(frame));
         let standing = self.depth.picture(scene, people, robot, seed);
@@ -88,8 +101,8 @@ impl FloorCameraSensor {
         let mut floor = self.floor.clone();
         let here = Point2::new(robot.x_m, robot.y_m);
         floor.lighting.lamps.retain(|lamp| lamp.above_in_world.distance(here) < LIT_M);
-        let mut picture = floor.picture_with(&self.colour, robot, (frame, at_s), is_speck);
-        let (width, small) = (Self::COLOUR_SIZE.0, Self::DEPTH_SIZE.0);
+        let mut picture = floor.picture_with(&self.colour, robot, PictureMoment { frame, at_s }, is_speck);
+        let (width, small) = (Self::COLOUR_SIZE.width, Self::DEPTH_SIZE.width);
         for (index, pixel) in picture.rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
             let place = index / width / 2 * small + index % width / 2;
             let (Some(depth_mm), Some(rgb)) =
@@ -107,7 +120,7 @@ impl FloorCameraSensor {
     /// Depth of the empty floor in a row of the depth picture, metres.
     fn floor_depth_m(&self, row: usize) -> f32 {
         let (sin, cos) = libm::sincosf(self.depth.pitch_rad);
-        let y = (row as f32 - (self.depth.size.1 as f32 - 1.0) / 2.0) / self.depth.focal_px;
+        let y = (row as f32 - (self.depth.size.height as f32 - 1.0) / 2.0) / self.depth.focal_px;
         let down = sin + y * cos;
         if down > 0.05 { self.depth.height_m / down } else { f32::INFINITY }
     }

@@ -8,7 +8,7 @@ mod scanner;
 mod view;
 
 pub use depth_camera::{DepthCamera, DepthPicture};
-pub use floor_camera_sensor::{FloorCameraSensor, FloorFrame};
+pub use floor_camera_sensor::{FloorCameraMounting, FloorCameraSensor, FloorFrame};
 pub use imu::{Imu, Motion};
 pub use lidar::{LIDAR_PACKET_NS, Lidar};
 pub use scanner::{Scanner, ScannerState};

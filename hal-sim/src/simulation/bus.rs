@@ -1,6 +1,6 @@
 //! Everything on the CAN bus and how it moves the robot.
 
-use crate::can::{CanFrame, Drive, DriveKind, Encoder, Gateway, SafetyChannels};
+use crate::can::{CanFrame, Drive, DriveKind, Encoder, Gateway, MeasuredMotion, SafetyChannels};
 use crate::robot::{BrakeLaw, NodeIds, RobotBody};
 
 /// The devices on the bus.
@@ -86,9 +86,9 @@ impl Bus {
         if self.power_cut() && self.traction.powered() {
             self.traction.fail(0x5441, &mut out);
         }
-        let measured = (body.front_mps(), body.steering_rad());
+        let measured = MeasuredMotion { speed_mps: body.front_mps(), angle_rad: body.steering_rad() };
         self.traction.tick(now_us, step_s, measured, &mut out);
-        self.steering.tick(now_us, step_s, (0.0, body.steering_rad()), &mut out);
+        self.steering.tick(now_us, step_s, MeasuredMotion { speed_mps: 0.0, ..measured }, &mut out);
         self.measure(now_us, body, 0.0, &mut out);
         self.gateway.tick(now_us, self.channels, &mut out);
         out

@@ -13,6 +13,7 @@ use super::misplaced::mounted;
 use super::touch::Touch;
 use crate::can::{CanFrame, SafetyChannels};
 use crate::dirt::DirtyFloor;
+use crate::floor::PictureMoment;
 use crate::people::{Crowd, RobotShape};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
@@ -322,7 +323,7 @@ impl Simulation {
     #[must_use]
     pub fn floor_frame(&self, sensor: &FloorCameraSensor, frame: u32) -> FloorFrame {
         let seen = (&self.scene, self.crowd.people.as_slice(), self.dirt());
-        sensor.render(seen, self.body.pose(), (frame, self.now_us as f32 * 1.0e-6))
+        sensor.render(seen, self.body.pose(), PictureMoment { frame, at_s: self.now_us as f32 * 1.0e-6 })
     }
 
     /// The robot that is simulated.

@@ -10,12 +10,12 @@ use floorguard_perception::floor::Plane;
 use floorguard_recording::{Recording, topics};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, Links, run_rings};
-use floorguard_robot::camera::{PictureCamera, PictureFolder};
+use floorguard_robot::camera::{DepthPicture, FloorMounting, PictureCamera, PictureFolder};
 use floorguard_runtime::clock;
-use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, PictureMoment, Spill};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
-use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::sensing::{ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 /// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
@@ -305,9 +305,17 @@ const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
 
 /// Pictures of a drive towards a spill on vinyl, 12 cm and 200 ms apart, one of them cut off.
 fn render(root: &std::path::Path) {
-    let rendered =
-        FloorCamera { size: (320, 240), focal_px: 262.5, forward_m: 0.9, ..FloorCamera::default() };
-    let mounting = (rendered.height_m, rendered.forward_m, rendered.pitch_rad);
+    let rendered = FloorCamera {
+        size: ImageSize { width: 320, height: 240 },
+        focal_px: 262.5,
+        forward_m: 0.9,
+        ..FloorCamera::default()
+    };
+    let mounting = FloorMounting {
+        height_m: rendered.height_m,
+        forward_m: rendered.forward_m,
+        pitch_rad: rendered.pitch_rad,
+    };
     let camera = PictureCamera { size: rendered.size, focal_px: rendered.focal_px, mounting };
     let mut pictures = PictureFolder::new(root, camera).unwrap();
     let mut scene = FloorScene::new(FloorKind::Vinyl, 4.0, 7);
@@ -325,8 +333,9 @@ fn render(root: &std::path::Path) {
         };
         let depth_mm: Vec<u16> = (0..320 * 240).map(depth).collect();
         let stamp = Stamp::from_micros(u64::from(step) * 200_000);
-        let picture = scene.picture(&rendered, robot, (step, 0.0));
-        pictures.add((stamp, robot), (&depth_mm, rendered.size), &picture.rgb).unwrap();
+        let picture = scene.picture(&rendered, robot, PictureMoment { frame: step, at_s: 0.0 });
+        let depth = DepthPicture { depth_mm: &depth_mm, size: rendered.size };
+        pictures.add((stamp, robot), depth, &picture.rgb).unwrap();
     }
     pictures.finish().unwrap();
     let broken = root.join("depth/1.400000.png");

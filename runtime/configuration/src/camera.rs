@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use floorguard_runtime::configuration::Mounting;
-use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::sensing::{ImageSize, PinholeCamera};
 
 use super::devices::{read_mounting, read_source};
 use super::reader::Reader;
@@ -33,7 +33,7 @@ pub struct CameraConfiguration {
     /// Where both streams come from.
     pub source: CameraSource,
     /// Columns and rows of both.
-    pub size: (usize, usize),
+    pub size: ImageSize,
     /// Intrinsics of the rectified pictures.
     pub camera: PinholeCamera,
     /// Where it is; pitched nose down.
@@ -106,7 +106,10 @@ fn read_pictures(section: &Reader<'_>) -> Option<CameraSource> {
 pub(super) fn read_camera(section: Reader<'_>) -> Option<CameraConfiguration> {
     let source = read_pictures(&section);
     // The core's buffers hold pictures of this size.
-    let size = (section.integer("width", 64..=640) as usize, section.integer("height", 48..=480) as usize);
+    let size = ImageSize {
+        width: section.integer("width", 64..=640) as usize,
+        height: section.integer("height", 48..=480) as usize,
+    };
     let focal = [section.number("fx", 30.0..=2_000.0), section.number("fy", 30.0..=2_000.0)];
     let centre = [section.number("cx", 0.0..=640.0), section.number("cy", 0.0..=480.0)];
     let mounting = read_mounting(section.section("mounting"));

@@ -266,6 +266,7 @@ mod tests {
     use super::*;
     use crate::EXAMPLE;
     use crate::camera::EXAMPLE_SECTION;
+    use floorguard_types::sensing::ImageSize;
 
     /// The stages that find people take 16 rings: a lidar of 32 is refused, with what takes how many and what to do.
     #[test]
@@ -288,7 +289,10 @@ mod tests {
         let text = format!("{EXAMPLE}\n{EXAMPLE_SECTION}");
         let camera = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).carriers.camera;
         let camera = camera.expect("there is a camera");
-        assert_eq!((camera.size, camera.mounting.position.z_m), ((640, 480), 0.72));
+        assert_eq!(
+            (camera.size, camera.mounting.position.z_m),
+            (ImageSize { width: 640, height: 480 }, 0.72)
+        );
         let devices =
             CameraSource::Devices { depth: "/dev/video2".into(), colour: Some("/dev/video4".into()) };
         assert_eq!(camera.source, devices);

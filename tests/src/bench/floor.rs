@@ -135,7 +135,7 @@ pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
         };
         let (file, truth) = {
             let file = read_colour(&path)?;
-            let truth = read_mask(&mask, (file.width, file.height))?;
+            let truth = read_mask(&mask, ImageSize { width: file.width, height: file.height })?;
             (file, truth)
         };
         let image =

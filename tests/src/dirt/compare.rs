@@ -3,8 +3,8 @@
 use floorguard_laboratory::evaluate::{DirtFigures, DirtTotals};
 use floorguard_perception::floor::dirt::FloorView;
 use floorguard_robot::picture_files::{DirtAnswer, DirtDetectors};
-use floorguard_sim::floor::{DirtKind, FloorKind, FloorPicture};
-use floorguard_types::sensing::{ColorImage, ImageSize};
+use floorguard_sim::floor::{DirtKind, FloorKind, FloorPicture, PictureMoment};
+use floorguard_types::sensing::ColorImage;
 use floorguard_types::time::Stamp;
 
 use super::scenes::{Approach, FRAMES, view};
@@ -39,17 +39,17 @@ pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> 
         let mut last = None;
         for frame in 0..FRAMES {
             let pose = approach.pose(frame);
-            let picture = approach.scene.picture(&approach.camera, pose, (frame, approach.time_s(frame)));
+            let picture = approach.scene.picture(
+                &approach.camera,
+                pose,
+                PictureMoment { frame, at_s: approach.time_s(frame) },
+            );
             let view = view(&approach.camera, pose);
             watch(&mut detectors, &picture, &view)?;
             last = Some((picture, view));
         }
         let (picture, view) = last.expect("there are frames");
-        let image = ColorImage::new(
-            Stamp::ZERO,
-            ImageSize { width: picture.size.0, height: picture.size.1 },
-            &picture.rgb,
-        )?;
+        let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
         let usable = picture.usable();
         let [published, ours] = detectors.judge(&image, &usable, Some(&view))?;
         detectors.forget();
@@ -58,7 +58,7 @@ pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> 
         let judged: Vec<bool> =
             published.scores.iter().zip(&ours.scores).map(|(a, b)| !a.is_nan() && !b.is_nan()).collect();
         for (total, answer) in totals.iter_mut().zip([&published, &alone, &ours]) {
-            total.add(answer, (&truth, &judged), picture.size.0);
+            total.add(answer, (&truth, &judged), picture.size.width);
         }
         curves[0].extend(points(&standardised(&published), &truth, &judged));
         curves[1].extend(points(&ours.scores, &truth, &judged));
@@ -67,11 +67,7 @@ pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> 
 }
 
 fn watch(detectors: &mut DirtDetectors, picture: &FloorPicture, view: &FloorView) -> anyhow::Result<()> {
-    let image = ColorImage::new(
-        Stamp::ZERO,
-        ImageSize { width: picture.size.0, height: picture.size.1 },
-        &picture.rgb,
-    )?;
+    let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
     Ok(detectors.watch(&image, &picture.usable(), Some(view))?)
 }
 

@@ -5,10 +5,10 @@ use std::time::Duration;
 use floorguard_mapping::GridGeometry;
 use floorguard_mapping::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
 use floorguard_robot::picture_files::DirtDetectors;
-use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, PictureMoment, Spill};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
-use floorguard_types::sensing::{ColorImage, ImageSize};
+use floorguard_types::sensing::ColorImage;
 use floorguard_types::time::Stamp;
 
 use super::scenes::view;
@@ -115,14 +115,10 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
             } else {
                 Pose2::new(length_m - forward, across, core::f32::consts::PI + wobble_rad)
             };
-            let picture = scene.picture(&camera, pose, (frame, STEP_S * step as f32));
+            let picture = scene.picture(&camera, pose, PictureMoment { frame, at_s: STEP_S * step as f32 });
             frame += 1;
             let started = std::time::Instant::now();
-            let image = ColorImage::new(
-                Stamp::ZERO,
-                ImageSize { width: picture.size.0, height: picture.size.1 },
-                &picture.rgb,
-            )?;
+            let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
             let view = view(&camera, pose);
             detectors.watch(&image, &picture.usable(), None)?;
             map.add(&view, &detectors.scores(), Stamp::from_micros(u64::from(frame) * 240_000));

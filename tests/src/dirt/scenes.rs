@@ -65,7 +65,7 @@ impl Approach {
 
 /// The detector's parameters for the simulated camera.
 pub fn view(camera: &FloorCamera, robot_in_map: Pose2) -> FloorView {
-    let centre = [(camera.size.0 as f32 - 1.0) / 2.0, (camera.size.1 as f32 - 1.0) / 2.0];
+    let centre = [(camera.size.width as f32 - 1.0) / 2.0, (camera.size.height as f32 - 1.0) / 2.0];
     FloorView {
         camera: PinholeCamera::new([camera.focal_px; 2], centre).expect("a simulated camera is calibrated"),
         plane: Plane::of_mounting(camera.height_m, camera.pitch_rad).expect("it is above the floor"),

@@ -13,7 +13,7 @@ use floorguard_perception::floor::{FloorModel, FloorParameters};
 use floorguard_perception::rgbd_people::{RgbdKind, RgbdParameters, RgbdPeopleFinder};
 use floorguard_sim::sensors::{DepthCamera, DepthPicture};
 use floorguard_types::geometry::Pose2;
-use floorguard_types::sensing::{ColorImage, DepthImage, ImageSize, PinholeCamera};
+use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_types::time::Stamp;
 use rayon::prelude::*;
 
@@ -145,7 +145,7 @@ fn ratio(part: u32, whole: u32) -> f64 {
 /// The pinhole of a simulated camera.
 #[must_use]
 pub fn pinhole(camera: &DepthCamera) -> PinholeCamera {
-    let centre = [(camera.size.0 as f32 - 1.0) / 2.0, (camera.size.1 as f32 - 1.0) / 2.0];
+    let centre = [(camera.size.width as f32 - 1.0) / 2.0, (camera.size.height as f32 - 1.0) / 2.0];
     PinholeCamera::new([camera.focal_px; 2], centre).expect("a simulated camera is a camera")
 }
 
@@ -200,18 +200,8 @@ fn search(
     let parameters = FloorParameters::mounted(camera, height_m, pitch_rad).expect("a camera above the floor");
     let mut model = FloorModel::new(parameters, scene.seed);
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(camera)));
-    let image = DepthImage::new(
-        Stamp::ZERO,
-        ImageSize { width: picture.size.0, height: picture.size.1 },
-        &picture.depth_mm,
-    )
-    .expect("a whole picture");
-    let colour = ColorImage::new(
-        Stamp::ZERO,
-        ImageSize { width: picture.size.0, height: picture.size.1 },
-        &picture.rgb,
-    )
-    .expect("a whole picture");
+    let image = DepthImage::new(Stamp::ZERO, picture.size, &picture.depth_mm).expect("a whole picture");
+    let colour = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb).expect("a whole picture");
     let mount = Pose2::new(scene.camera.forward_m, 0.0, 0.0);
     let started = std::time::Instant::now();
     let floor = model.update(&image, Stamp::ZERO);

@@ -4,6 +4,7 @@ use floorguard_perception::rgbd_people::{RgbdDetection, RgbdKind};
 use floorguard_sim::people::PersonKind;
 use floorguard_sim::sensors::DepthPicture;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::ImageSize;
 
 use super::scenes::RgbdScene;
 
@@ -81,7 +82,7 @@ fn pixel(scene: &RgbdScene, from_camera: Point2, (aside_m, up_m): (f32, f32)) ->
         return None;
     }
     let down = -(up * cos + forward * sin);
-    let (width, height) = camera.size;
+    let ImageSize { width, height } = camera.size;
     let column = (width as f32 - 1.0) / 2.0 - camera.focal_px * left / depth;
     let row = (height as f32 - 1.0) / 2.0 + camera.focal_px * down / depth;
     let inside = column >= 0.0 && row >= 0.0 && column < width as f32 && row < height as f32;

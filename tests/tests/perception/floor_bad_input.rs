@@ -55,7 +55,7 @@ fn missing_fit_reuses_plane_then_unknown() {
         let now = Stamp::from_micros(1_000_000 + age_us);
         let estimate = model.update(&image(&dark, 1_000_000 + age_us), now);
         assert_eq!((estimate.source, estimate.is_known), (source, is_known), "{age_us} µs");
-        assert_eq!(estimate.fault, Some(FloorFault::NoReturns(0, WIDTH * HEIGHT)));
+        assert_eq!(estimate.fault, Some(FloorFault::NoReturns { found: 0, pixels: WIDTH * HEIGHT }));
         if source == FloorSource::Configured {
             assert_eq!(estimate.plane, model.parameters().expectation.mounted);
         } else {

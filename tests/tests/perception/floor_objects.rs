@@ -7,7 +7,7 @@ use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
-const SIZE: (usize, usize) = (640, 480);
+const SIZE: ImageSize = ImageSize { width: 640, height: 480 };
 const HEIGHT_M: f32 = 0.72;
 const PITCH_RAD: f32 = 0.75;
 /// Footprint of a box, metres (book, Floor and dirt: Objects).
@@ -41,12 +41,12 @@ impl Scene {
             sag_per_m,
             waves_m,
         };
-        scene.empty_m = (0..SIZE.0 * SIZE.1).map(|index| scene.empty_m(scene.ray(index))).collect();
+        scene.empty_m = (0..SIZE.width * SIZE.height).map(|index| scene.empty_m(scene.ray(index))).collect();
         scene
     }
 
     fn ray(&self, index: usize) -> [f32; 3] {
-        self.camera.ray((index % SIZE.0) as f32, (index / SIZE.0) as f32)
+        self.camera.ray((index % SIZE.width) as f32, (index / SIZE.width) as f32)
     }
 
     /// Height of the floor at a place right of and before the foot point.
@@ -97,7 +97,7 @@ impl Scene {
             let step = (noise.step_per_m * z * z).max(0.001);
             if z > 0.3 && z < 6.0 { ((noisy / step).round() * step * 1_000.0) as u16 } else { 0 }
         };
-        (0..SIZE.0 * SIZE.1).map(pixel).collect()
+        (0..SIZE.width * SIZE.height).map(pixel).collect()
     }
 }
 
@@ -116,7 +116,7 @@ impl Watcher {
         Self {
             model: FloorModel::new(parameters, 5),
             finder: Box::default(),
-            classes: vec![PixelClass::Unknown; SIZE.0 * SIZE.1],
+            classes: vec![PixelClass::Unknown; SIZE.width * SIZE.height],
             frame: 0,
         }
     }
@@ -124,8 +124,7 @@ impl Watcher {
     fn objects(&mut self, depth_mm: &[u16]) -> Vec<FloorObject> {
         self.frame += 1;
         let now = Stamp::from_micros(33_333 * self.frame);
-        let image = DepthImage::new(now, ImageSize { width: SIZE.0, height: SIZE.1 }, depth_mm)
-            .expect("the size fits");
+        let image = DepthImage::new(now, SIZE, depth_mm).expect("the size fits");
         let estimate = self.model.update(&image, now);
         assert_eq!(estimate.fault, None);
         let parameters = *self.model.parameters();
@@ -189,9 +188,7 @@ fn curvature_is_recovered() {
     let mut watcher = Watcher::new();
     let depth = scene.render(None);
     watcher.objects(&depth);
-    let image =
-        DepthImage::new(Stamp::from_micros(1_000_000), ImageSize { width: SIZE.0, height: SIZE.1 }, &depth)
-            .expect("the size fits");
+    let image = DepthImage::new(Stamp::from_micros(1_000_000), SIZE, &depth).expect("the size fits");
     let estimate = watcher.model.update(&image, Stamp::from_micros(1_000_000));
     let [xx, xy, yy] = estimate.curvature.coefficients_per_m;
     println!("curvature {xx} {xy} {yy}");

@@ -53,12 +53,7 @@ fn picture(people: &[(f32, f32)], wall_m: f32) -> DepthPicture {
 }
 
 fn find(picture: &DepthPicture) -> Vec<RgbdDetection> {
-    let image = DepthImage::new(
-        Stamp::ZERO,
-        ImageSize { width: picture.size.0, height: picture.size.1 },
-        &picture.depth_mm,
-    )
-    .unwrap();
+    let image = DepthImage::new(Stamp::ZERO, picture.size, &picture.depth_mm).unwrap();
     let plane = Plane::of_mounting(CAMERA.height_m, CAMERA.pitch_rad).unwrap();
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(pinhole(&CAMERA))));
     finder.find_people((&image, None), &plane, Pose2::default()).unwrap().people.to_vec()
@@ -140,7 +135,7 @@ fn empty_real_frames_have_one_detection_at_most() {
 }
 
 fn write_depth(path: &Path, picture: &DepthPicture) {
-    let (width, height) = picture.size;
+    let ImageSize { width, height } = picture.size;
     let image: image::ImageBuffer<image::Luma<u16>, Vec<u16>> =
         image::ImageBuffer::from_raw(width as u32, height as u32, picture.depth_mm.clone()).unwrap();
     image.save(path).unwrap();

@@ -75,8 +75,13 @@ impl FloorParameters {
 /// Why a frame brought no plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FloorFault {
-    /// Too few pixels have a depth: how many, of how many.
-    NoReturns(usize, usize),
+    /// Too few pixels have a depth.
+    NoReturns {
+        /// Pixels with a depth.
+        found: usize,
+        /// Pixels that were looked at.
+        pixels: usize,
+    },
     /// The frame is none of a living camera's.
     Frame(FrameFault),
     /// No plane that faces up and has nothing below it.
@@ -88,7 +93,7 @@ pub enum FloorFault {
 impl core::fmt::Display for FloorFault {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::NoReturns(found, of) => {
+            Self::NoReturns { found, pixels: of } => {
                 write!(formatter, "only {found} of {of} pixels have a depth: sunlight, or a covered camera")
             }
             Self::Frame(fault) => write!(formatter, "{fault}"),
@@ -206,7 +211,7 @@ impl<P: Profile> FloorModelOf<P> {
     /// The floor when no frame came: the camera is silent.
     #[must_use]
     pub fn without_frame(&self, now: Stamp) -> FloorEstimate {
-        self.estimate(now, Err(FloorFault::NoReturns(0, 0)))
+        self.estimate(now, Err(FloorFault::NoReturns { found: 0, pixels: 0 }))
     }
 
     fn fit(&mut self, image: &DepthImage<'_>, now: Stamp) -> Result<(Good, FitQuality), FloorFault> {
@@ -244,7 +249,7 @@ impl<P: Profile> FloorModelOf<P> {
         }
         let (returns, pixels) = (image.returns(), image.depth_mm().len());
         if nearest_f32(returns) < RETURNS_MIN * nearest_f32(pixels) || returns == 0 {
-            return Err(FloorFault::NoReturns(returns, pixels));
+            return Err(FloorFault::NoReturns { found: returns, pixels });
         }
         living
     }

@@ -52,7 +52,7 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
             ColorImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &frame.picture.rgb)?;
         let [first, second] = match detectors.judge(&image, &frame.usable, None) {
             Ok(answers) => answers,
-            Err(problem @ (DirtFault::TooLittleFloor(..) | DirtFault::Unlit(_))) => {
+            Err(problem @ (DirtFault::TooLittleFloor { .. } | DirtFault::Unlit(_))) => {
                 say!("{}: floor unknown: {problem}", path.display());
                 report.frames_unknown += 1;
                 continue;

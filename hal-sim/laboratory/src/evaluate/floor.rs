@@ -107,21 +107,19 @@ impl ObjectReport {
 /// verdict. Either way the floor is unknown.
 pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let file = read_depth(&task.depth)?;
-    let size = (file.width, file.height);
+    let size = ImageSize { width: file.width, height: file.height };
     let truth = task.truth.as_deref().map(|path| read_mask(path, size)).transpose()?;
     let camera = camera(task.intrinsics, (&task.depth, size))?;
     let parameters = parameters(camera, task.mounting)?;
     let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
-    let whole = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &file.depth_mm)
-        .map_err(|p| bad(p.to_string()))?;
+    let whole = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
     let (reduced, reduced_by) = reduced(&file);
     let parameters = parameters_at(&parameters, reduced_by);
-    let size = (reduced.width, reduced.height);
-    let image = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &reduced.depth_mm)
-        .map_err(|p| bad(p.to_string()))?;
+    let size = ImageSize { width: reduced.width, height: reduced.height };
+    let image = DepthImage::new(Stamp::ZERO, size, &reduced.depth_mm).map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
     let mut classes = vec![PixelClass::Unknown; reduced.depth_mm.len()];
-    if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {
+    if let Some(fault @ FloorFault::NoReturns { .. }) = estimate.fault {
         return Err(bad(format!("floor unknown: {fault}")).into());
     }
     if let Some(fault) = estimate.fault {
@@ -159,7 +157,7 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
 /// picture. Swapped pictures of two cameras would otherwise appear as a missing floor.
 pub(super) fn camera(
     [fx, fy, cx, cy]: [f32; 4],
-    (path, (width, height)): (&Path, (usize, usize)),
+    (path, ImageSize { width, height }): (&Path, ImageSize),
 ) -> anyhow::Result<PinholeCamera> {
     let camera = PinholeCamera::new([fx, fy], [cx, cy])
         .ok_or_else(|| BadInput(format!("intrinsics {fx},{fy},{cx},{cy}: no such camera")))?;

@@ -189,13 +189,13 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
         let (width, height) = (colour.width, colour.height);
         return Err(bad(format!("its colour picture has another size: {width} × {height}")).into());
     }
-    let camera = camera(task.intrinsics, (path, (file.width, file.height)))?;
+    let camera = camera(task.intrinsics, (path, ImageSize { width: file.width, height: file.height }))?;
     let (file, colour, camera) = thinned(file, colour, camera);
     let size = (file.width, file.height);
     let image = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &file.depth_mm)
         .map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters(camera, task.mounting)?, SEED).update(&image, Stamp::ZERO);
-    if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {
+    if let Some(fault @ FloorFault::NoReturns { .. }) = estimate.fault {
         return Err(bad(format!("nothing to see: {fault}")).into());
     }
     // Without a mounting there is nothing to fall back on.

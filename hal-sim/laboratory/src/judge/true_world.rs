@@ -4,8 +4,9 @@ use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
 use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
-use floorguard_sim::sensors::FloorCameraSensor;
+use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
+use floorguard_types::sensing::ImageSize;
 
 use crate::plan::Plan;
 
@@ -123,8 +124,8 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         above_floor_m: FLOOR_M[0],
         ..scanner.clone()
     };
-    let (height_m, forward_m, pitch_rad) = FloorCameraSensor::MOUNTING;
-    let (columns, rows) = FloorCameraSensor::DEPTH_SIZE;
+    let FloorCameraMounting { height_m, forward_m, pitch_rad } = FloorCameraSensor::MOUNTING;
+    let ImageSize { width: columns, height: rows } = FloorCameraSensor::DEPTH_SIZE;
     let size = [columns, rows].map(|count| count as u16);
     let camera = judge::Sensor {
         name: "floor camera".to_owned(),

@@ -5,15 +5,17 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_runtime::configuration::Mounting;
 use floorguard_runtime::shared::Shared;
 use floorguard_sim::floor::FloorKind;
-use floorguard_sim::sensors::FloorCameraSensor;
+use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
 use floorguard_types::geometry::Point3;
-use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::sensing::{ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 use crate::plan::Plan;
 use floorguard_configuration::{CameraConfiguration, CameraSource};
-use floorguard_robot::camera::{DirtStage, FloorStage, PictureCamera, PictureFolder, SeenDirt};
+use floorguard_robot::camera::{
+    DepthPicture, DirtStage, FloorMounting, FloorStage, PictureCamera, PictureFolder, SeenDirt,
+};
 
 /// Between pictures, microseconds: rendering one takes as long as everything else in this time.
 const EVERY_US: u64 = 200_000;
@@ -27,7 +29,7 @@ pub struct SimulatedCamera {
     frame: u32,
 }
 
-fn pinhole((width, height): (usize, usize), focal_px: f32) -> Option<PinholeCamera> {
+fn pinhole(ImageSize { width, height }: ImageSize, focal_px: f32) -> Option<PinholeCamera> {
     let middle = |side: usize| (side as f32 - 1.0) / 2.0;
     PinholeCamera::new([focal_px; 2], [middle(width), middle(height)])
 }
@@ -36,7 +38,7 @@ impl SimulatedCamera {
     /// The camera of a plan's robot, over vinyl as supermarkets have it.
     #[must_use]
     pub fn new(plan: &Plan) -> Option<Self> {
-        let (height_m, forward_m, pitch_rad) = FloorCameraSensor::MOUNTING;
+        let FloorCameraMounting { height_m, forward_m, pitch_rad } = FloorCameraSensor::MOUNTING;
         let camera = CameraConfiguration {
             source: CameraSource::Devices { depth: "".into(), colour: None },
             size: FloorCameraSensor::DEPTH_SIZE,
@@ -61,7 +63,11 @@ impl SimulatedCamera {
     pub const PICTURES: PictureCamera = PictureCamera {
         size: FloorCameraSensor::COLOUR_SIZE,
         focal_px: 2.0 * FloorCameraSensor::FOCAL_PX,
-        mounting: FloorCameraSensor::MOUNTING,
+        mounting: FloorMounting {
+            height_m: FloorCameraSensor::MOUNTING.height_m,
+            forward_m: FloorCameraSensor::MOUNTING.forward_m,
+            pitch_rad: FloorCameraSensor::MOUNTING.pitch_rad,
+        },
     };
 
     /// Takes a picture when it is time, and tells the rings what it shows; it goes into the folder, too. True if it did.
@@ -86,7 +92,8 @@ impl SimulatedCamera {
         // What it cannot judge stays unknown, and is counted.
         let _ = self.dirt.process(&picture.rgb, &self.floor, pose, (now, now));
         if let Some(folder) = folder {
-            folder.add((now, pose), (&picture.depth_mm, FloorCameraSensor::DEPTH_SIZE), &picture.rgb)?;
+            let depth = DepthPicture { depth_mm: &picture.depth_mm, size: FloorCameraSensor::DEPTH_SIZE };
+            folder.add((now, pose), depth, &picture.rgb)?;
         }
         Ok(true)
     }

@@ -3,6 +3,7 @@
 use floorguard_guard::GuardConfig;
 use floorguard_runtime::configuration::ScannerConfiguration;
 use floorguard_types::geometry::{Point2, Point3, Transform3};
+use floorguard_types::sensing::ImageSize;
 
 use crate::camera::CameraConfiguration;
 
@@ -76,7 +77,7 @@ struct Frustum {
 impl Frustum {
     fn of(camera: &CameraConfiguration) -> Self {
         let ([fx, fy], [cx, cy]) = (camera.camera.focal_px(), camera.camera.centre_px());
-        let (width, height) = camera.size;
+        let ImageSize { width, height } = camera.size;
         // The narrower side counts for both.
         let half = |centre: f32, pixels: usize, focal: f32| {
             centre.min(pixels as f32 - 1.0 - centre).max(0.0) / focal

@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use floorguard_runtime::clock;
+use floorguard_types::sensing::ImageSize;
 use floorguard_types::time::Stamp;
 use linuxvideo::format::{PixFormat, PixelFormat};
 use linuxvideo::stream::ReadStream;
@@ -22,7 +23,11 @@ impl Device {
     ///
     /// # Errors
     /// There is no such device, it is taken, or it grants another size or format only.
-    pub fn open(path: &Path, (width, height): (usize, usize), formats: &[[u8; 4]]) -> io::Result<Self> {
+    pub fn open(
+        path: &Path,
+        ImageSize { width, height }: ImageSize,
+        formats: &[[u8; 4]],
+    ) -> io::Result<Self> {
         let side = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
         let mut granted = Vec::new();
         for format in formats {

@@ -30,12 +30,12 @@ pub enum DirtBlind {
     #[error("the picture came {} ms late", .0 / 1_000)]
     Late(u64),
     /// Not as many bytes as pixels of the agreed size.
-    #[error("{bytes} bytes are no picture of {} × {} pixels", size.0, size.1)]
+    #[error("{bytes} bytes are no picture of {} × {} pixels", size.width, size.height)]
     WrongSize {
         /// That came.
         bytes: usize,
         /// That was agreed.
-        size: (usize, usize),
+        size: ImageSize,
     },
     /// Without a plane nobody knows where a pixel lies.
     #[error("the floor's plane is unknown")]
@@ -47,7 +47,7 @@ pub enum DirtBlind {
 
 /// The memory of one colour camera, and the map that it fills, in the frame of the poses that it is given.
 pub struct DirtStage {
-    size: (usize, usize),
+    size: ImageSize,
     camera: PinholeCamera,
     watch: FrameWatch,
     detectors: DirtDetectors,
@@ -91,7 +91,7 @@ impl SeenDirt {
 impl DirtStage {
     /// For pictures of a size, whose intrinsics these are; `None` for a size that makes no map.
     #[must_use]
-    pub fn new(size: (usize, usize), camera: PinholeCamera) -> Option<Self> {
+    pub fn new(size: ImageSize, camera: PinholeCamera) -> Option<Self> {
         let cells = (SIDE_M / CELL_M) as u16;
         let corner = Point2::new(-0.5 * SIDE_M, -0.5 * SIDE_M);
         let geometry = GridGeometry::new(cells, cells, CELL_M, corner)?;
@@ -102,7 +102,7 @@ impl DirtStage {
             watch: FrameWatch::NEW,
             detectors: DirtDetectors::default(),
             map,
-            usable: vec![false; size.0 * size.1],
+            usable: vec![false; size.width * size.height],
             frames: (0, 0),
         })
     }
@@ -138,7 +138,7 @@ impl DirtStage {
         robot_in_map: Pose2,
         (stamp, now): (Stamp, Stamp),
     ) -> Result<ViewOutcome, DirtBlind> {
-        let image = ColorImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, rgb)
+        let image = ColorImage::new(stamp, self.size, rgb)
             .map_err(|_| DirtBlind::WrongSize { bytes: rgb.len(), size: self.size })?;
         self.watch.accept(stamp, image.fingerprint(), now)?;
         if let Age::Past(age_us @ LATE_US..) = stamp.age(now) {
@@ -154,7 +154,8 @@ impl DirtStage {
     /// Free floor of the depth picture, which shows the same view in another size.
     fn take_mask(&mut self, floor: &FloorStage) {
         let depth: Vec<bool> = floor.is_floor().collect();
-        let ((width, height), (columns, rows)) = (self.size, floor.size());
+        let ImageSize { width, height } = self.size;
+        let ImageSize { width: columns, height: rows } = floor.size();
         for (index, usable) in self.usable.iter_mut().enumerate() {
             let (column, row) = (index % width * columns / width, index / width * rows / height);
             *usable = depth.get(row * columns + column).copied().unwrap_or(false);

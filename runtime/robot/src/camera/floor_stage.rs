@@ -32,13 +32,13 @@ const HIDDEN_US: u64 = 60_000_000;
 fn nearest_m(camera: &CameraConfiguration) -> f32 {
     let [_, focal_px] = camera.camera.focal_px();
     let [_, middle_px] = camera.camera.centre_px();
-    let down_rad = camera.mounting.pitch_rad + ((camera.size.1 as f32 - middle_px) / focal_px).atan();
+    let down_rad = camera.mounting.pitch_rad + ((camera.size.height as f32 - middle_px) / focal_px).atan();
     (camera.mounting.position.z_m / down_rad.tan()).max(0.0)
 }
 
 /// The memory of one camera.
 pub struct FloorStage {
-    size: (usize, usize),
+    size: ImageSize,
     model: FloorModel,
     finder: Box<ObjectFinder>,
     seen: ObjectMemory,
@@ -69,7 +69,7 @@ impl FloorStage {
             model: FloorModel::new(parameters, SEED),
             finder: Box::default(),
             seen: ObjectMemory::default(),
-            classes: vec![PixelClass::Unknown; camera.size.0 * camera.size.1],
+            classes: vec![PixelClass::Unknown; camera.size.width * camera.size.height],
             camera_in_robot: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
             limits: FloorLimits {
                 half_width_m: half_width_m + SIDE_MARGIN_M,
@@ -119,11 +119,10 @@ impl FloorStage {
     ) -> FloorSight {
         self.plane = None;
         let mut sight = self.blind(stamp);
-        let image =
-            match DepthImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, depth_mm) {
-                Ok(image) => image,
-                Err(problem) => return self.blinded(problem, sight),
-            };
+        let image = match DepthImage::new(stamp, self.size, depth_mm) {
+            Ok(image) => image,
+            Err(problem) => return self.blinded(problem, sight),
+        };
         let estimate = self.model.update(&image, now);
         let parameters = *self.model.parameters();
         let found = match self.finder.find(&image, (&parameters, &estimate), &mut self.classes) {
@@ -193,7 +192,7 @@ impl FloorStage {
 
     /// Columns and rows of the depth picture.
     #[must_use]
-    pub const fn size(&self) -> (usize, usize) {
+    pub const fn size(&self) -> ImageSize {
         self.size
     }
 
@@ -213,7 +212,7 @@ mod tests {
     use floorguard_configuration::{CameraSource, EXAMPLE, parse};
     use floorguard_guard::with_floor;
 
-    const SIZE: (usize, usize) = (160, 120);
+    const SIZE: ImageSize = ImageSize { width: 160, height: 120 };
     const PITCH_RAD: f32 = 0.8;
     const HEIGHT_M: f32 = 0.72;
 
@@ -237,7 +236,7 @@ mod tests {
         let [right, along] = plane.axes();
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let pixel = |index: usize| {
-            let ray = camera.ray((index % SIZE.0) as f32, (index / SIZE.0) as f32);
+            let ray = camera.ray((index % SIZE.width) as f32, (index / SIZE.width) as f32);
             let down = -dot(plane.normal, ray);
             if down < 0.05 {
                 return 0;
@@ -253,7 +252,7 @@ mod tests {
             // A millimetre to and fro, as living cameras have it.
             (1_000.0 * z) as u16 + ((index as u64 * 7 + frame * 13) % 3) as u16
         };
-        (0..SIZE.0 * SIZE.1).map(pixel).collect()
+        (0..SIZE.width * SIZE.height).map(pixel).collect()
     }
 
     fn limit(stage: &mut FloorStage, frames: &[Vec<u16>]) -> (FloorSight, Option<f32>) {
@@ -287,7 +286,7 @@ mod tests {
     #[test]
     fn bad_pictures_are_unknown_floor() {
         let frozen = vec![picture(0, None); 3];
-        let dark = vec![vec![0; SIZE.0 * SIZE.1]; 3];
+        let dark = vec![vec![0; SIZE.width * SIZE.height]; 3];
         let cut = vec![vec![700; 99]; 3];
         for (name, frames) in [("frozen", frozen), ("dark", dark), ("cut", cut)] {
             let (sight, slow) = limit(&mut stage(), &frames);

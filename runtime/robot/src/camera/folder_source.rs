@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::ImageSize;
 use floorguard_types::time::{Age, Stamp};
 
 use super::folder_names::{RecordedPicture, RecordedPictures};
@@ -43,7 +44,7 @@ impl Playback {
 /// The folder.
 pub struct FolderSource {
     root: PathBuf,
-    size: (usize, usize),
+    size: ImageSize,
     started: Option<Stamp>,
     depth: Playback,
     colour: Playback,
@@ -56,7 +57,7 @@ impl FolderSource {
     ///
     /// # Errors
     /// The folder is no recording, or its file of poses is broken or incomplete.
-    pub fn open(root: &Path, size: (usize, usize), rate_hz: Option<f32>) -> anyhow::Result<Self> {
+    pub fn open(root: &Path, size: ImageSize, rate_hz: Option<f32>) -> anyhow::Result<Self> {
         let RecordedPictures { depth, colour } = RecordedPictures::list(root, rate_hz)?;
         let path = root.join(POSES);
         let poses = if path.exists() { read_poses(&path, &depth)? } else { Vec::new() };
@@ -104,8 +105,9 @@ fn next<P>(
     }
 }
 
-fn fitting<P>(pixels: P, (found, wanted): ((usize, usize), (usize, usize))) -> Result<P, WrongFrame> {
-    if found == wanted { Ok(pixels) } else { Err(WrongFrame::OtherSize(found, wanted)) }
+/// The pixels of a picture that has the size that is `wanted`.
+fn fitting<P>(pixels: P, found: ImageSize, wanted: ImageSize) -> Result<P, WrongFrame> {
+    if found == wanted { Ok(pixels) } else { Err(WrongFrame::OtherSize { found, wanted }) }
 }
 
 impl FrameSource for FolderSource {
@@ -120,14 +122,17 @@ impl FrameSource for FolderSource {
     fn depth(&mut self, now: Stamp) -> FrameEvent<Vec<u16>> {
         let (when, size) = (self.since_start_us(now), self.size);
         next(&mut self.depth, when, |path| {
-            read_depth(path).map(|file| fitting(file.depth_mm, ((file.width, file.height), size)))
+            read_depth(path).map(|file| {
+                fitting(file.depth_mm, ImageSize { width: file.width, height: file.height }, size)
+            })
         })
     }
 
     fn colour(&mut self, now: Stamp) -> FrameEvent<Vec<u8>> {
         let (when, size) = (self.since_start_us(now), self.size);
         next(&mut self.colour, when, |path| {
-            read_colour(path).map(|file| fitting(file.rgb, ((file.width, file.height), size)))
+            read_colour(path)
+                .map(|file| fitting(file.rgb, ImageSize { width: file.width, height: file.height }, size))
         })
     }
 
@@ -172,6 +177,8 @@ mod tests {
     use super::*;
     use image::{ImageBuffer, Luma, RgbImage};
 
+    const TWO_BY_ONE: ImageSize = ImageSize { width: 2, height: 1 };
+
     fn depth(path: &Path, (width, height): (u32, u32), value: u16) {
         ImageBuffer::<Luma<u16>, _>::from_pixel(width, height, Luma([value])).save(path).expect("room");
     }
@@ -190,7 +197,7 @@ mod tests {
         RgbImage::new(2, 1).save(root.path().join("10.1.png")).expect("room");
         let poses = "name,x_m,y_m,heading_rad\n10.1,2.0,0,0\n10.0,1.0,0,0\n10.3,3.0,0,0.5\n";
         std::fs::write(root.path().join(POSES), poses).expect("room");
-        let mut source = FolderSource::open(root.path(), (2, 1), None).expect("a recording");
+        let mut source = FolderSource::open(root.path(), TWO_BY_ONE, None).expect("a recording");
         assert!(source.has_colour() && source.pose().is_none());
         assert_eq!(source.depth(at(0)), FrameEvent::Picture(at(0), vec![1; 2]));
         assert_eq!(
@@ -216,7 +223,7 @@ mod tests {
         std::fs::write(path("a3_depth.png"), &whole[..whole.len() / 2]).expect("room");
         RgbImage::new(2, 1).save(path("a4_depth.png")).expect("room");
         depth(&path("a5_depth.png"), (2, 1), 5);
-        let mut source = FolderSource::open(root.path(), (2, 1), Some(10.0)).expect("a recording");
+        let mut source = FolderSource::open(root.path(), TWO_BY_ONE, Some(10.0)).expect("a recording");
         assert!(matches!(source.depth(at(0)), FrameEvent::Picture(..)));
         for (number, part) in [(2, "3 × 1"), (3, "a3_depth.png"), (4, "16 bits")] {
             let FrameEvent::Damaged(problem) = source.depth(at(100 * (number - 1))) else {
@@ -239,7 +246,7 @@ mod tests {
             ("name,x_m,y_m,heading_rad\nb1,1,2,0\n", "no pose of a1"),
         ] {
             std::fs::write(root.path().join(POSES), poses).expect("room");
-            let refused = FolderSource::open(root.path(), (2, 1), Some(9.0)).err().expect("refused");
+            let refused = FolderSource::open(root.path(), TWO_BY_ONE, Some(9.0)).err().expect("refused");
             assert!(refused.is::<BadInput>() && refused.to_string().contains(part), "{refused}");
         }
     }

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use floorguard_types::sensing::ImageSize;
 use floorguard_types::time::{Age, Stamp};
 
 use super::device::Device;
@@ -77,7 +78,7 @@ impl<S: Stream> Line<S> {
 
 /// The devices of a camera.
 pub struct KernelSource {
-    size: (usize, usize),
+    size: ImageSize,
     depth: (PathBuf, Line<Device>),
     colour: Option<(PathBuf, Line<Device>)>,
 }
@@ -85,7 +86,7 @@ pub struct KernelSource {
 impl KernelSource {
     /// Devices for depth and colour that show pictures of a size; opened when they are asked for the first time.
     #[must_use]
-    pub fn new(depth: &Path, colour: Option<&Path>, size: (usize, usize)) -> Self {
+    pub fn new(depth: &Path, colour: Option<&Path>, size: ImageSize) -> Self {
         let closed = |path: &Path| (path.to_owned(), Line::CLOSED);
         Self { size, depth: closed(depth), colour: colour.map(closed) }
     }
@@ -143,7 +144,11 @@ mod tests {
 
     fn next_event(line: &mut Line<Fake>, at_ms: u64, frames: Vec<Option<Vec<u8>>>) -> FrameEvent<Vec<u16>> {
         let now = Stamp::from_micros(1_000 * at_ms);
-        line.next_event(now, || Ok(Fake(frames)), |_, bytes| depth_of(bytes, (2, 1), 0))
+        line.next_event(
+            now,
+            || Ok(Fake(frames)),
+            |_, bytes| depth_of(bytes, ImageSize { width: 2, height: 1 }, 0),
+        )
     }
 
     /// An unplugged device is reported, left alone for two seconds, and opened again; a cut frame is no
@@ -155,7 +160,10 @@ mod tests {
         let picture = FrameEvent::Picture(Stamp::from_micros(7), vec![1, 2]);
         assert_eq!(next_event(&mut line, 10, vec![good(), None, Some(vec![1]), good()]), picture);
         assert_eq!(next_event(&mut line, 20, vec![]), FrameEvent::Nothing);
-        assert_eq!(next_event(&mut line, 30, vec![]), FrameEvent::Damaged(WrongFrame::Short(1, 4)));
+        assert_eq!(
+            next_event(&mut line, 30, vec![]),
+            FrameEvent::Damaged(WrongFrame::Short { bytes: 1, needed: 4 })
+        );
         assert_eq!(next_event(&mut line, 40, vec![]), picture);
         assert_eq!(next_event(&mut line, 50, vec![]), FrameEvent::Silent("no such device".to_owned()));
         assert_eq!(next_event(&mut line, 2_040, vec![good()]), FrameEvent::Nothing, "not yet");
@@ -173,7 +181,7 @@ mod tests {
         );
         let absent = || Err(io::Error::other("not there"));
         let at = Stamp::from_micros(4_020_000);
-        let unpack = |_: &Fake, bytes: &[u8]| depth_of(bytes, (2, 1), 0);
+        let unpack = |_: &Fake, bytes: &[u8]| depth_of(bytes, ImageSize { width: 2, height: 1 }, 0);
         assert_eq!(line.next_event(at, absent, unpack), FrameEvent::Silent("not there".to_owned()));
     }
 }

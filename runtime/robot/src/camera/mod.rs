@@ -24,7 +24,7 @@ pub use folder_source::FolderSource;
 pub use frame_source::{FrameEvent, FrameSource};
 pub use kernel_source::KernelSource;
 pub use people::DepthPeopleStage;
-pub use picture_folder::{PictureCamera, PictureFolder};
+pub use picture_folder::{DepthPicture, FloorMounting, PictureCamera, PictureFolder};
 pub use pixels::{ColourFormat, WrongFrame, colour_of, depth_of};
 pub use watch::{CameraEvent, LiveSource, open_source, watch_floor};
 pub use watcher::{Attended, Watcher};

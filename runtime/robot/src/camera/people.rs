@@ -25,7 +25,7 @@ const LEGS_TOP_M: f32 = 0.4;
 
 /// The memory of one camera.
 pub struct DepthPeopleStage {
-    size: (usize, usize),
+    size: ImageSize,
     camera: PinholeCamera,
     camera_in_robot: Pose2,
     recognised_m: f32,
@@ -39,7 +39,7 @@ impl DepthPeopleStage {
     #[must_use]
     pub fn new(camera: &CameraConfiguration) -> Self {
         let mounting = &camera.mounting;
-        let [_, top_ray, forward] = camera.camera.ray(0.5 * camera.size.0 as f32, 0.0);
+        let [_, top_ray, forward] = camera.camera.ray(0.5 * camera.size.width as f32, 0.0);
         let down_rad = mounting.pitch_rad + libm::atan2f(top_ray, forward);
         let shows_m = (mounting.position.z_m - LEGS_TOP_M) / libm::tanf(down_rad.max(1.0e-3));
         Self {
@@ -61,8 +61,7 @@ impl DepthPeopleStage {
         (plane, robot_in_odom): (&Plane, Pose2),
         stamp: Stamp,
     ) -> Option<PeopleView> {
-        let image =
-            DepthImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, depth_mm).ok()?;
+        let image = DepthImage::new(stamp, self.size, depth_mm).ok()?;
         let found = self.finder.find_people((&image, None), plane, self.camera_in_robot).ok()?;
         let mut view = PeopleView::new(PeopleSensor::DepthCamera);
         view.stamp = stamp;

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::ImageSize;
 use floorguard_types::time::Stamp;
 use image::{ImageBuffer, Luma, RgbImage};
 
@@ -17,11 +18,31 @@ const SECTION: &str = "camera.toml";
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureCamera {
     /// Columns and rows of the colour pictures; depth pictures of a part of it are enlarged.
-    pub size: (usize, usize),
+    pub size: ImageSize,
     /// Focal length of the colour pictures, pixels; the principal point is the middle of the picture.
     pub focal_px: f32,
-    /// Metres above the floor, metres before the robot's origin, radians downwards from the horizon.
-    pub mounting: (f32, f32, f32),
+    /// Where it is.
+    pub mounting: FloorMounting,
+}
+
+/// Where a camera looks down from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FloorMounting {
+    /// Above the floor, metres.
+    pub height_m: f32,
+    /// Before the robot's origin, metres.
+    pub forward_m: f32,
+    /// Downwards from the horizon, radians.
+    pub pitch_rad: f32,
+}
+
+/// A depth picture to write.
+#[derive(Clone, Copy)]
+pub struct DepthPicture<'a> {
+    /// Millimetres, row by row from the top left; 0 where nothing was measured.
+    pub depth_mm: &'a [u16],
+    /// Columns and rows.
+    pub size: ImageSize,
 }
 
 /// The folder: `depth/STAMP.png`, `rgb/STAMP.png`, `poses.csv`, and the section for `robot.toml`.
@@ -42,8 +63,8 @@ impl PictureFolder {
         for kind in ["depth", "rgb"] {
             fs::create_dir_all(root.join(kind)).map_err(|problem| unwritable(root, &problem))?;
         }
-        let (height_m, forward_m, pitch_rad) = camera.mounting;
-        let ((width, height), focal_px) = (camera.size, camera.focal_px);
+        let FloorMounting { height_m, forward_m, pitch_rad } = camera.mounting;
+        let PictureCamera { size: ImageSize { width, height }, focal_px, .. } = camera;
         let middle = |side: usize| (side as f32 - 1.0) / 2.0;
         let section = format!(
             "[camera]\nsource = \"folder:{}\"\nwidth = {width}\nheight = {height}\nfx = {focal_px:.2}\nfy = {focal_px:.2}\n\
@@ -66,22 +87,23 @@ impl PictureFolder {
     pub fn add(
         &mut self,
         (stamp, robot): (Stamp, Pose2),
-        (depth_mm, (depth_width, depth_height)): (&[u16], (usize, usize)),
+        depth: DepthPicture<'_>,
         rgb: &[u8],
     ) -> anyhow::Result<()> {
         let stamp_us = stamp.as_micros();
         let name = format!("{}.{:06}", stamp_us / 1_000_000, stamp_us % 1_000_000);
-        let (width, height) = self.camera.size;
+        let ImageSize { width, height } = self.camera.size;
         let shown = |x: u32, y: u32| {
-            let (column, row) = (x as usize * depth_width / width, y as usize * depth_height / height);
-            Luma([depth_mm.get(row * depth_width + column).copied().unwrap_or(0)])
+            let (column, row) =
+                (x as usize * depth.size.width / width, y as usize * depth.size.height / height);
+            Luma([depth.depth_mm.get(row * depth.size.width + column).copied().unwrap_or(0)])
         };
-        let depth = ImageBuffer::<Luma<u16>, Vec<u16>>::from_fn(width as u32, height as u32, shown);
+        let depth_file = ImageBuffer::<Luma<u16>, Vec<u16>>::from_fn(width as u32, height as u32, shown);
         let colour = RgbImage::from_raw(width as u32, height as u32, rgb.to_vec());
         let colour =
             colour.ok_or_else(|| anyhow::anyhow!("{} bytes are no {width} × {height}", rgb.len()))?;
         let path = |kind: &str| self.root.join(kind).join(format!("{name}.png"));
-        depth.save(path("depth")).map_err(|problem| unwritable(&self.root, &problem))?;
+        depth_file.save(path("depth")).map_err(|problem| unwritable(&self.root, &problem))?;
         colour.save(path("rgb")).map_err(|problem| unwritable(&self.root, &problem))?;
         let _ = writeln!(self.poses, "{name},{:.4},{:.4},{:.5}", robot.x_m, robot.y_m, robot.heading_rad);
         self.pictures += 2;
@@ -115,7 +137,11 @@ mod tests {
         let up = "../".repeat(here.components().count() - 1);
         let relative = Path::new(&up).join(folder.path().strip_prefix("/").unwrap());
         assert!(relative.is_relative());
-        let camera = PictureCamera { size: (4, 2), focal_px: 2.0, mounting: (0.7, 0.9, 0.8) };
+        let camera = PictureCamera {
+            size: ImageSize { width: 4, height: 2 },
+            focal_px: 2.0,
+            mounting: FloorMounting { height_m: 0.7, forward_m: 0.9, pitch_rad: 0.8 },
+        };
         PictureFolder::new(&relative, camera).unwrap();
         let section = fs::read_to_string(folder.path().join(SECTION)).unwrap();
         let named = section.lines().find_map(|line| line.strip_prefix("source = \"folder:")).unwrap();

@@ -1,5 +1,6 @@
 //! Bytes of a camera's frame as pixels. A frame of another length than its size is cut off, and no picture.
 
+use floorguard_types::sensing::ImageSize;
 use image::ImageFormat;
 
 use crate::picture_files::is_cut_jpeg;
@@ -8,14 +9,24 @@ use crate::picture_files::is_cut_jpeg;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WrongFrame {
     /// Fewer bytes than the size needs.
-    #[error("a frame of {0} bytes, {1} are needed: it was cut off")]
-    Short(usize, usize),
+    #[error("a frame of {bytes} bytes, {needed} are needed: it was cut off")]
+    Short {
+        /// Bytes that came.
+        bytes: usize,
+        /// Bytes of a whole frame.
+        needed: usize,
+    },
     /// A compressed picture that cannot be read.
     #[error("no picture: {0}")]
     Unreadable(String),
     /// A compressed picture of another size.
-    #[error("a picture of {} × {} pixels, not {} × {}", .0.0, .0.1, .1.0, .1.1)]
-    OtherSize((usize, usize), (usize, usize)),
+    #[error("a picture of {} × {} pixels, not {} × {}", found.width, found.height, wanted.width, wanted.height)]
+    OtherSize {
+        /// Of the picture that came.
+        found: ImageSize,
+        /// That was agreed.
+        wanted: ImageSize,
+    },
     /// What is wrong with a recorded picture.
     #[error("{0}: {1}")]
     InFile(String, Box<Self>),
@@ -38,16 +49,24 @@ impl ColourFormat {
         [(Self::Rgb, *b"RGB3"), (Self::Yuyv, *b"YUYV"), (Self::Jpeg, *b"MJPG")];
 }
 
-/// Rows of a frame whose lines may be longer than their pixels.
-fn rows(
-    bytes: &[u8],
-    (row_bytes, height): (usize, usize),
+/// How the bytes of a frame lie.
+#[derive(Clone, Copy)]
+struct FrameRows {
+    /// Bytes of the pixels of a row.
+    row_bytes: usize,
+    /// Rows.
+    height: usize,
+    /// Bytes from a row to the next.
     line_bytes: usize,
-) -> Result<impl Iterator<Item = &[u8]>, WrongFrame> {
+}
+
+/// Rows of a frame whose lines may be longer than their pixels.
+fn rows(bytes: &[u8], rows: FrameRows) -> Result<impl Iterator<Item = &[u8]>, WrongFrame> {
+    let FrameRows { row_bytes, height, line_bytes } = rows;
     let line_bytes = line_bytes.max(row_bytes).max(1);
     let needed = line_bytes * height.saturating_sub(1) + row_bytes;
     if bytes.len() < needed {
-        return Err(WrongFrame::Short(bytes.len(), needed));
+        return Err(WrongFrame::Short { bytes: bytes.len(), needed });
     }
     Ok(bytes.chunks(line_bytes).take(height).map(move |line| &line[..row_bytes.min(line.len())]))
 }
@@ -58,10 +77,10 @@ fn rows(
 /// The frame is cut off.
 pub fn depth_of(
     bytes: &[u8],
-    (width, height): (usize, usize),
+    ImageSize { width, height }: ImageSize,
     line_bytes: usize,
 ) -> Result<Vec<u16>, WrongFrame> {
-    let rows = rows(bytes, (2 * width, height), line_bytes)?;
+    let rows = rows(bytes, FrameRows { row_bytes: 2 * width, height, line_bytes })?;
     Ok(rows.flat_map(|row| row.as_chunks::<2>().0).map(|pair| u16::from_le_bytes(*pair)).collect())
 }
 
@@ -72,13 +91,16 @@ pub fn depth_of(
 pub fn colour_of(
     format: ColourFormat,
     bytes: &[u8],
-    (width, height): (usize, usize),
+    ImageSize { width, height }: ImageSize,
     line_bytes: usize,
 ) -> Result<Vec<u8>, WrongFrame> {
     match format {
-        ColourFormat::Rgb => Ok(rows(bytes, (3 * width, height), line_bytes)?.flatten().copied().collect()),
+        ColourFormat::Rgb => {
+            let rows = rows(bytes, FrameRows { row_bytes: 3 * width, height, line_bytes })?;
+            Ok(rows.flatten().copied().collect())
+        }
         ColourFormat::Yuyv => {
-            let rows = rows(bytes, (2 * width, height), line_bytes)?;
+            let rows = rows(bytes, FrameRows { row_bytes: 2 * width, height, line_bytes })?;
             Ok(rows.flat_map(|row| row.as_chunks::<4>().0).flat_map(rgb_of_pair).collect())
         }
         ColourFormat::Jpeg => {
@@ -88,11 +110,12 @@ pub fn colour_of(
             let picture = image::load_from_memory_with_format(bytes, ImageFormat::Jpeg)
                 .map_err(|problem| WrongFrame::Unreadable(problem.to_string()))?
                 .into_rgb8();
-            let size = (picture.width() as usize, picture.height() as usize);
-            if size == (width, height) {
+            let found = ImageSize { width: picture.width() as usize, height: picture.height() as usize };
+            let wanted = ImageSize { width, height };
+            if found == wanted {
                 Ok(picture.into_raw())
             } else {
-                Err(WrongFrame::OtherSize(size, (width, height)))
+                Err(WrongFrame::OtherSize { found, wanted })
             }
         }
     }
@@ -113,16 +136,21 @@ fn rgb_of_pair([first, blue, second, red]: &[u8; 4]) -> [u8; 6] {
 mod tests {
     use super::*;
 
+    const TWO_BY_TWO: ImageSize = ImageSize { width: 2, height: 2 };
+
     #[test]
     fn cut_frames_are_refused_padded_lines_accepted() {
         let bytes = [1, 2, 3, 4, 9, 9, 5, 6, 7, 8, 9, 9];
-        assert_eq!(depth_of(&bytes, (2, 2), 6).unwrap(), [0x0201, 0x0403, 0x0605, 0x0807]);
-        assert_eq!(depth_of(&bytes, (2, 2), 0).unwrap(), [0x0201, 0x0403, 0x0909, 0x0605]);
-        assert_eq!(depth_of(&bytes[..9], (2, 2), 6), Err(WrongFrame::Short(9, 10)));
-        let rgb = |bytes: &[u8]| colour_of(ColourFormat::Rgb, bytes, (2, 2), 6);
+        assert_eq!(depth_of(&bytes, TWO_BY_TWO, 6).unwrap(), [0x0201, 0x0403, 0x0605, 0x0807]);
+        assert_eq!(depth_of(&bytes, TWO_BY_TWO, 0).unwrap(), [0x0201, 0x0403, 0x0909, 0x0605]);
+        assert_eq!(depth_of(&bytes[..9], TWO_BY_TWO, 6), Err(WrongFrame::Short { bytes: 9, needed: 10 }));
+        let rgb = |bytes: &[u8]| colour_of(ColourFormat::Rgb, bytes, TWO_BY_TWO, 6);
         assert_eq!(rgb(&bytes).unwrap(), bytes);
-        assert_eq!(rgb(&bytes[..11]), Err(WrongFrame::Short(11, 12)));
-        assert!(matches!(colour_of(ColourFormat::Jpeg, &bytes, (2, 2), 6), Err(WrongFrame::Unreadable(_))));
+        assert_eq!(rgb(&bytes[..11]), Err(WrongFrame::Short { bytes: 11, needed: 12 }));
+        assert!(matches!(
+            colour_of(ColourFormat::Jpeg, &bytes, TWO_BY_TWO, 6),
+            Err(WrongFrame::Unreadable(_))
+        ));
     }
 
     /// A picture of which the end did not come is none, though a decoder would fill the rest with grey.
@@ -131,7 +159,7 @@ mod tests {
         let mut bytes = Vec::new();
         let picture = image::RgbImage::from_fn(32, 16, |x, y| image::Rgb([(x * y) as u8; 3]));
         picture.write_to(&mut std::io::Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
-        let rgb = |bytes: &[u8]| colour_of(ColourFormat::Jpeg, bytes, (32, 16), 0);
+        let rgb = |bytes: &[u8]| colour_of(ColourFormat::Jpeg, bytes, ImageSize { width: 32, height: 16 }, 0);
         assert_eq!(rgb(&bytes).unwrap().len(), 3 * 32 * 16);
         assert_eq!(rgb(&bytes[..bytes.len() - 40]), Err(WrongFrame::Unreadable("it is cut off".to_owned())));
     }
@@ -139,7 +167,9 @@ mod tests {
     /// Black, white, and red by the standard's own numbers.
     #[test]
     fn light_and_colour_differences_become_colours() {
-        let rgb = |pair: [u8; 4]| colour_of(ColourFormat::Yuyv, &pair, (2, 1), 4).unwrap();
+        let rgb = |pair: [u8; 4]| {
+            colour_of(ColourFormat::Yuyv, &pair, ImageSize { width: 2, height: 1 }, 4).unwrap()
+        };
         assert_eq!(rgb([16, 128, 235, 128]), [0, 0, 0, 255, 255, 255]);
         let red = rgb([81, 90, 81, 240]);
         assert!(red[0] > 250 && red[1] < 5 && red[2] < 5, "{red:?}");

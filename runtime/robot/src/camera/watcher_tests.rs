@@ -2,12 +2,14 @@ use super::*;
 use crate::camera::WrongFrame;
 use floorguard_configuration::{CameraSource, EXAMPLE, parse};
 use floorguard_perception::floor::Plane;
-use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, PictureMoment, Spill};
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
-use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::sensing::{ImageSize, PinholeCamera};
 
-const SIZE: (usize, usize) = (320, 240);
+const SIZE: ImageSize = ImageSize { width: 320, height: 240 };
+/// Of the pictures of another camera.
+const SMALL: ImageSize = ImageSize { width: 160, height: 120 };
 const FOCAL_PX: f32 = 262.5;
 /// Between pictures: 12 cm at 0.6 m/s.
 const STEP_MS: u64 = 200;
@@ -57,7 +59,7 @@ impl Drive {
         let mut mounting = robot.lidar.mounting;
         (mounting.position.x_m, mounting.position.y_m, mounting.position.z_m) = (0.9, 0.0, 0.72);
         (mounting.pitch_rad, mounting.yaw_rad) = (0.85, 0.0);
-        let centre = [(SIZE.0 as f32 - 1.0) / 2.0, (SIZE.1 as f32 - 1.0) / 2.0];
+        let centre = [(SIZE.width as f32 - 1.0) / 2.0, (SIZE.height as f32 - 1.0) / 2.0];
         let camera = CameraConfiguration {
             source: CameraSource::Folder { path: "".into(), rate_hz: None },
             size: SIZE,
@@ -84,19 +86,21 @@ impl Drive {
 
     fn depth(&self) -> Vec<u16> {
         let plane = Plane::of_mounting(self.rendered.height_m, self.rendered.pitch_rad).expect("a plane");
-        let centre = [(SIZE.0 as f32 - 1.0) / 2.0, (SIZE.1 as f32 - 1.0) / 2.0];
+        let centre = [(SIZE.width as f32 - 1.0) / 2.0, (SIZE.height as f32 - 1.0) / 2.0];
         let camera = PinholeCamera::new([FOCAL_PX; 2], centre).expect("a camera");
         let pixel = |index: usize| {
-            let ray = camera.ray((index % SIZE.0) as f32, (index / SIZE.0) as f32);
+            let ray = camera.ray((index % SIZE.width) as f32, (index / SIZE.width) as f32);
             let down: f32 = plane.normal.iter().zip(ray).map(|(n, r)| -n * r).sum();
             let jitter = (index as u64 * 7 + self.step * 13) % 3;
             if down < 0.05 { 0 } else { (1_000.0 * plane.distance_m / down) as u16 + jitter as u16 }
         };
-        (0..SIZE.0 * SIZE.1).map(pixel).collect()
+        (0..SIZE.width * SIZE.height).map(pixel).collect()
     }
 
     fn colour(&self) -> Vec<u8> {
-        self.scene.picture(&self.rendered, self.pose(), (self.step as u32, 0.0)).rgb
+        self.scene
+            .picture(&self.rendered, self.pose(), PictureMoment { frame: self.step as u32, at_s: 0.0 })
+            .rgb
     }
 
     /// One step on; the colour picture is changed, and is taken `late_ms` after the depth picture.
@@ -164,7 +168,9 @@ fn bad_colour_is_unknown_and_reported_once() {
     type Change = fn(Stamp, Vec<u8>) -> FrameEvent<Vec<u8>>;
     let cases: [(&str, u64, Change); 7] = [
         ("at the same time", 26, FrameEvent::Picture),
-        ("not 320 × 240", 0, |_, _| FrameEvent::Damaged(WrongFrame::OtherSize((160, 120), SIZE))),
+        ("not 320 × 240", 0, |_, _| {
+            FrameEvent::Damaged(WrongFrame::OtherSize { found: SMALL, wanted: SIZE })
+        }),
         ("unplugged", 0, |_, _| FrameEvent::Silent("unplugged".to_owned())),
         ("no picture", 0, |stamp, mut rgb| {
             rgb.truncate(99);
@@ -199,7 +205,10 @@ fn bad_colour_is_unknown_and_reported_once() {
 #[test]
 fn failed_depth_blinds_both_until_recovery() {
     depth_fails(|| FrameEvent::Silent("unplugged".to_owned()), "unplugged");
-    depth_fails(|| FrameEvent::Damaged(WrongFrame::OtherSize((160, 120), SIZE)), "not 320 × 240");
+    depth_fails(
+        || FrameEvent::Damaged(WrongFrame::OtherSize { found: SMALL, wanted: SIZE }),
+        "not 320 × 240",
+    );
 }
 
 fn depth_fails(event: impl Fn() -> FrameEvent<Vec<u16>>, why: &str) {

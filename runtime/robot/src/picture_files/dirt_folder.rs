@@ -4,6 +4,7 @@
 //! is) and `NAME_laser.png` (where the safety scanner marks it); or each kind has a folder, `frames/NAME.png` with
 //! `masks/NAME.png`, `floor/NAME.png` and `laser/NAME.png`. Floor and laser are optional.
 
+use floorguard_types::sensing::ImageSize;
 use std::path::{Path, PathBuf};
 
 use super::images::{ColourFile, read_colour, read_mask};
@@ -89,14 +90,14 @@ impl DirtFolder {
     /// A file is cut off, no picture, or a mask has another size than the frame.
     pub fn read(&self, frame: &Path) -> anyhow::Result<DirtFrame> {
         let picture = read_colour(frame)?;
-        let size = (picture.width, picture.height);
+        let size = ImageSize { width: picture.width, height: picture.height };
         let read = |kind: &Kind| {
             companion(&self.root, frame, kind)
                 .map(|path| read_mask(&path, size).map(|mask| mask.marked))
                 .transpose()
         };
         let dirt = read(&DIRT)?.ok_or_else(|| BadInput(format!("{}: no mask", frame.display())))?;
-        let mut usable = read(&FLOOR)?.unwrap_or_else(|| vec![true; size.0 * size.1]);
+        let mut usable = read(&FLOOR)?.unwrap_or_else(|| vec![true; size.width * size.height]);
         if let Some(laser) = read(&LASER)? {
             usable.iter_mut().zip(laser).for_each(|(usable, is_laser)| *usable &= !is_laser);
         }

@@ -3,6 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use floorguard_types::sensing::ImageSize;
 use image::{ColorType, ImageReader};
 
 use floorguard_host::outcome::BadInput;
@@ -110,15 +111,15 @@ pub fn read_colour(path: &Path) -> anyhow::Result<ColourFile> {
 ///
 /// # Errors
 /// The file is missing, cut off or no picture, or it has another size.
-pub fn read_mask(path: &Path, size: (usize, usize)) -> anyhow::Result<MaskFile> {
+pub fn read_mask(path: &Path, size: ImageSize) -> anyhow::Result<MaskFile> {
     let picture = open(path)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
-    if (width, height) != size {
+    if (ImageSize { width, height }) != size {
         return Err(BadInput(format!(
             "{}: {width} × {height} pixels, but the picture it belongs to has {} × {}",
             path.display(),
-            size.0,
-            size.1
+            size.width,
+            size.height
         ))
         .into());
     }

@@ -27,12 +27,27 @@ pub enum DirtFault {
     TooWide(usize),
     /// The image has this many blocks, more than the capacity.
     TooManyBlocks(usize),
-    /// The mask has this many values, for this many pixels.
-    WrongMask(usize, usize),
-    /// Working memory for this many pixels, but this many are needed.
-    MemoryTooSmall(usize, usize),
-    /// Too little free floor: how many blocks, how many are needed.
-    TooLittleFloor(usize, usize),
+    /// The mask is none of this image.
+    WrongMask {
+        /// Values of the mask.
+        values: usize,
+        /// Pixels of the image.
+        pixels: usize,
+    },
+    /// The working memory is too small.
+    MemoryTooSmall {
+        /// Pixels for which there is memory.
+        given: usize,
+        /// Pixels of the image.
+        needed: usize,
+    },
+    /// Too little free floor.
+    TooLittleFloor {
+        /// Blocks of free floor.
+        found: usize,
+        /// Blocks that a judgement needs.
+        needed: usize,
+    },
     /// So many percent of the floor are black or overexposed: a covered or blinded camera, which says nothing of dirt.
     Unlit(usize),
 }
@@ -47,13 +62,13 @@ impl core::fmt::Display for DirtFault {
             Self::TooManyBlocks(blocks) => {
                 write!(formatter, "the image has {blocks} blocks, but the capacity is {FLOOR_BLOCKS_MAX}")
             }
-            Self::WrongMask(values, pixels) => {
+            Self::WrongMask { values, pixels } => {
                 write!(formatter, "the mask has {values} values for {pixels} pixels")
             }
-            Self::MemoryTooSmall(given, needed) => {
+            Self::MemoryTooSmall { given, needed } => {
                 write!(formatter, "working memory for {given} pixels, but {needed} are needed")
             }
-            Self::TooLittleFloor(found, needed) => {
+            Self::TooLittleFloor { found, needed } => {
                 write!(formatter, "only {found} blocks of free floor, {needed} are needed")
             }
             Self::Unlit(percent) => {
@@ -141,7 +156,7 @@ impl BlockGrid {
             return Err(DirtFault::TooManyBlocks(count));
         }
         if usable.len() != image.pixels().len() {
-            return Err(DirtFault::WrongMask(usable.len(), image.pixels().len()));
+            return Err(DirtFault::WrongMask { values: usable.len(), pixels: image.pixels().len() });
         }
         let mut masks = usable.chunks_exact(width.max(1)).zip(image.rows());
         for (row, pixels) in image.rows().map(Some).chain(core::iter::once(None)).enumerate() {
@@ -253,11 +268,12 @@ mod tests {
     /// A ramp in lightness across, and a step down the middle of the second block: both by direct computation.
     #[test]
     fn features_are_moments_of_the_gradient() {
-        const SIZE: (usize, usize) = (48, 32);
+        const SIZE: ImageSize = ImageSize { width: 48, height: 32 };
         let mut random = floorguard_types::random::Pcg32::new(4, 4);
-        let rgb: std::vec::Vec<u8> = (0..SIZE.0 * SIZE.1 * 3).map(|_| (random.below(200)) as u8).collect();
-        let image = ColorImage::new(Stamp::ZERO, ImageSize { width: SIZE.0, height: SIZE.1 }, &rgb).unwrap();
-        let mut usable = std::vec![true; SIZE.0 * SIZE.1];
+        let rgb: std::vec::Vec<u8> =
+            (0..SIZE.width * SIZE.height * 3).map(|_| (random.below(200)) as u8).collect();
+        let image = ColorImage::new(Stamp::ZERO, SIZE, &rgb).unwrap();
+        let mut usable = std::vec![true; SIZE.width * SIZE.height];
         usable[20] = false;
         let mut grid = BlockGrid::default();
         grid.measure(&image, &usable).unwrap();
@@ -265,15 +281,15 @@ mod tests {
         let usable: std::vec::Vec<bool> = grid.blocks().iter().map(|block| block.is_usable).collect();
         assert_eq!(usable, [true, false, true, true, true, true]);
         let tables = LabTables::default();
-        let at = |x: usize, y: usize, channel: usize| tables.lab(image.pixels()[y * SIZE.0 + x])[channel];
+        let at = |x: usize, y: usize, channel: usize| tables.lab(image.pixels()[y * SIZE.width + x])[channel];
         for (index, block) in grid.blocks().iter().enumerate() {
             let (left, top) = (index % 3 * BLOCK, index / 3 * BLOCK);
             for channel in 0..3 {
                 let (mut sum, mut squares) = (0.0_f64, 0.0_f64);
                 for y in top..top + BLOCK {
                     for x in left..left + BLOCK {
-                        let (x0, x1) = (x.saturating_sub(1), (x + 1).min(SIZE.0 - 1));
-                        let (y0, y1) = (y.saturating_sub(1), (y + 1).min(SIZE.1 - 1));
+                        let (x0, x1) = (x.saturating_sub(1), (x + 1).min(SIZE.width - 1));
+                        let (y0, y1) = (y.saturating_sub(1), (y + 1).min(SIZE.height - 1));
                         let gx = (at(x1, y, channel) - at(x0, y, channel)) / (x1 - x0) as f32;
                         let gy = (at(x, y1, channel) - at(x, y0, channel)) / (y1 - y0) as f32;
                         let squared = f64::from(gx * gx + gy * gy);
@@ -295,7 +311,7 @@ mod tests {
         let rgb = [0; 32 * 16 * 3];
         let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 32, height: 16 }, &rgb).unwrap();
         let mut grid = BlockGrid::default();
-        assert_eq!(grid.measure(&image, &[true; 5]), Err(DirtFault::WrongMask(5, 512)));
+        assert_eq!(grid.measure(&image, &[true; 5]), Err(DirtFault::WrongMask { values: 5, pixels: 512 }));
         let wide = std::vec![0; 4_000 * 3];
         let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 4_000, height: 1 }, &wide).unwrap();
         assert_eq!(grid.measure(&image, &[true; 4_000]), Err(DirtFault::TooWide(4_000)));

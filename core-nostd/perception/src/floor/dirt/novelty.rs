@@ -121,7 +121,7 @@ impl NoveltyDetector {
         shrink(&self.tables, (image, usable), colours);
         let found = colours.iter().filter(|[.., weight]| *weight > 0.0).count();
         if found < PIXELS_MIN {
-            return Err(DirtFault::TooLittleFloor(found / 64, PIXELS_MIN / 64));
+            return Err(DirtFault::TooLittleFloor { found: found / 64, needed: PIXELS_MIN / 64 });
         }
         let floor = colours.iter().step_by(LIT_STEP).filter(|[.., weight]| *weight > 0.0);
         let (unlit, seen) = floor.fold((0_usize, 0_usize), |(unlit, seen), [l, ..]| {
@@ -172,7 +172,7 @@ impl NoveltyDetector {
             return Err(DirtFault::TooWide(width.max(height)));
         }
         if usable.len() != image.pixels().len() {
-            return Err(DirtFault::WrongMask(usable.len(), image.pixels().len()));
+            return Err(DirtFault::WrongMask { values: usable.len(), pixels: image.pixels().len() });
         }
         self.columns = width / 2;
         self.rows = height / 2;
@@ -185,7 +185,11 @@ impl NoveltyDetector {
             .min(bytes)
             .min(memory.scores.len())
             .min(remembered);
-        if capacity < pixels { Err(DirtFault::MemoryTooSmall(capacity, pixels)) } else { Ok(pixels) }
+        if capacity < pixels {
+            Err(DirtFault::MemoryTooSmall { given: capacity, needed: pixels })
+        } else {
+            Ok(pixels)
+        }
     }
 
     /// Texture that changes both ways, relative to its surroundings and beyond what is usual: the first of the cues.

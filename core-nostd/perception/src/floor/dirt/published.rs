@@ -67,7 +67,7 @@ impl PublishedDetector {
         let found = blocks.iter().filter(|block| block.is_usable).count();
         let needed = BLOCKS_MIN.max(BLOCKS_A_COMPONENT.saturating_mul(self.parameters.components));
         if found < needed {
-            return Err(DirtFault::TooLittleFloor(found, needed));
+            return Err(DirtFault::TooLittleFloor { found, needed });
         }
         for block in blocks {
             // Capacities are equal.
