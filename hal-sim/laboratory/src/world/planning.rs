@@ -1,9 +1,10 @@
 //! Which tasks plan in a simulated run.
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_robot::assembly::{
-    HostedPerception, spawn_mission_ring, spawn_perception_ring,
-};
+use floorguard_robot::assembly::{HostedPerception, spawn_mission_ring, spawn_perception_ring};
+use floorguard_robot::cleaner::MissionSetup;
+use floorguard_robot::navigator::NavigationSetup;
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tasks::{Mission, perceive};
 
@@ -11,6 +12,18 @@ use floorguard_host::executor::TaskSet;
 
 use super::by_hand::drive_by_hand;
 use crate::plan::Plan;
+
+/// What plans in a run: a drive to a goal, or cleaning; none: the route.
+pub(super) fn begin_mission(
+    robot: &RobotConfiguration,
+    (cleaning, goal): (&Option<MissionSetup>, &Option<NavigationSetup>),
+) -> anyhow::Result<Option<Box<dyn Mission>>> {
+    Ok(match (goal, cleaning) {
+        (Some(goal), _) => Some(Box::new(goal.begin(robot)?)),
+        (None, Some(cleaning)) => Some(Box::new(cleaning.begin(robot)?)),
+        (None, None) => None,
+    })
+}
 
 /// The perception ring with what the plan lets the robot do: a goal or cleaning, commands by hand, or its route.
 pub(super) fn spawn_planning<'a>(

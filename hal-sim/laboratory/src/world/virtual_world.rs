@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_runtime::shared::{Shared, StopRecord};
-use floorguard_runtime::tasks::Mission;
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::time::Stamp;
@@ -14,7 +13,7 @@ use super::lines::{Ends, IMU_BAUD, Lines};
 use super::observer::Observer;
 use super::operator::Operator;
 use super::outside::spawn_outside;
-use super::planning::spawn_planning;
+use super::planning::{begin_mission, spawn_planning};
 use super::true_state;
 use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
@@ -173,11 +172,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let (setup, navigation) = (world.mission.clone(), world.navigation.clone());
-    let mut mission: Option<Box<dyn Mission>> = match (&navigation, &setup) {
-        (Some(goal), _) => Some(Box::new(goal.begin(&plan.robot)?)),
-        (None, Some(cleaning)) => Some(Box::new(cleaning.begin(&plan.robot)?)),
-        (None, None) => None,
-    };
+    let mut mission = begin_mission(&plan.robot, (&setup, &navigation))?;
     let mut watches = Watches::of(setup, navigation);
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();

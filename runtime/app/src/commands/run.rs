@@ -138,7 +138,8 @@ pub(super) fn run_to(
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Telemetry);
-            let camera = LiveCamera { configuration: &configuration, notes, has_json: arguments.outputs.json };
+            let camera =
+                LiveCamera { configuration: &configuration, notes, has_json: arguments.outputs.json };
             camera.watch(source, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
         })
     })?;

@@ -52,9 +52,7 @@ impl Devices {
             (Stream::LidarData, Payload::Bytes(bytes)) => self.lidar.send(&bytes).map(drop),
             (Stream::ScannerSerial, Payload::Bytes(bytes)) => self.scanner.write(&bytes).map(drop),
             (Stream::ImuSerial, Payload::Bytes(bytes)) => self.imu.write(&bytes).map(drop),
-            (Stream::Can, Payload::Frame(frame)) => {
-                self.can.write(encode_slcan(&frame).as_bytes()).map(drop)
-            }
+            (Stream::Can, Payload::Frame(frame)) => self.can.write(encode_slcan(&frame).as_bytes()).map(drop),
             _ => Ok(()),
         };
     }
@@ -75,7 +73,8 @@ fn robot(folder: &Path) -> (PathBuf, PathBuf, Devices) {
     let pixel = |x, y| image::Luma([if wall(x, y) { 0_u8 } else { 254 }]);
     image::GrayImage::from_fn(160, 120, pixel).save(folder.join("hall.png")).unwrap();
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let [(scanner_line, scanner), (imu_line, imu), (can_line, can), (terminal, keyboard)] = [(); 4].map(|()| line());
+    let [(scanner_line, scanner), (imu_line, imu), (can_line, can), (terminal, keyboard)] =
+        [(); 4].map(|()| line());
     let text = floorguard_configuration::EXAMPLE
         .replace("udp:0.0.0.0:2368", &format!("udp:127.0.0.1:{port}"))
         .replace("/dev/ttyUSB0", &scanner_line.display().to_string())
@@ -143,7 +142,10 @@ fn goto_says_why_it_did_not_arrive() {
     drop(devices);
     let goto = |more: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
-        command.args(["goto", "3.0", "3.0", "0", &file.display().to_string()]).args(more).stdin(Stdio::null());
+        command
+            .args(["goto", "3.0", "3.0", "0", &file.display().to_string()])
+            .args(more)
+            .stdin(Stdio::null());
         let output = command.output().unwrap();
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };

@@ -120,11 +120,14 @@ fn learning_of(
     setup.map(Some).map_err(|error| ReplayError::Robot(format!("what it had learned before: {error:#}")))
 }
 
-/// What drove in the recorded run, from its beginning: a goal, or cleaning.
+/// What plans in a run; none: the route.
+type Planner = Option<Box<dyn Mission>>;
+
+/// What planned in the recorded run, from its beginning: a drive to a goal, or cleaning.
 fn mission_of(
     texts: &std::collections::BTreeMap<String, String>,
     robot: &RobotConfiguration,
-) -> Result<Option<Box<dyn Mission>>, ReplayError> {
+) -> Result<Planner, ReplayError> {
     if let Some(text) = texts.get(NAVIGATION) {
         let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
         let setup = NavigationSetup::new(NavigationPlan::from_text(text).map_err(wrong)?);
@@ -137,11 +140,7 @@ fn mission_of(
 }
 
 fn play<R: Read>(
-    (robot, stages, (mut mission, learning)): (
-        &RobotConfiguration,
-        Stages,
-        (Option<Box<dyn Mission>>, Option<LearningSetup>),
-    ),
+    (robot, stages, (mut mission, learning)): (&RobotConfiguration, Stages, (Planner, Option<LearningSetup>)),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {

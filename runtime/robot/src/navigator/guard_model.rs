@@ -86,8 +86,12 @@ impl PermittedMotion for GuardModel {
             }
             let velocity_mps = turned(velocity.x_m, velocity.y_m);
             let position_sigma_m = person.position_deviation_m.min(DEVIATION_MAX_M);
-            let advised =
-                AdvisedPerson { position: in_base, velocity_mps, position_sigma_m, ..AdvisedPerson::default() };
+            let advised = AdvisedPerson {
+                position: in_base,
+                velocity_mps,
+                position_sigma_m,
+                ..AdvisedPerson::default()
+            };
             if self.body.recedes_from(&advised, twist) {
                 continue;
             }
