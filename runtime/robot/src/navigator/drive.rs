@@ -12,7 +12,7 @@ use floorguard_navigation::recovery::{
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
-use floorguard_types::motion::{Gear, MovingPerson, Waypoint};
+use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
 
 use super::course::Course;
@@ -176,8 +176,7 @@ impl Navigator {
                 self.course = Course::new(plan, path);
                 if self.course.gear().is_none() {
                     // Too near for the lattice.
-                    let ahead = |pose_in_map| Waypoint { pose_in_map, gear: Gear::Ahead };
-                    self.course = Course::new(plan, vec![ahead(pose), ahead(goal)]);
+                    self.course.end_at((pose, goal));
                 }
                 self.steering.restart();
             }
@@ -227,9 +226,10 @@ impl Navigator {
             };
             match command.verdict {
                 LocalVerdict::Arrived if !self.course.is_last() => self.course.next_piece(),
-                // At the end of a path and not at the goal: a follower ends beside it. From here another path leads there.
-                LocalVerdict::Arrived if self.is_at_goal(pose) => return command,
-                LocalVerdict::Arrived | LocalVerdict::NoPath => {
+                LocalVerdict::Arrived if !self.is_at_goal(pose) => {
+                    self.course.end_at((pose, self.plan.goal_pose()))
+                }
+                LocalVerdict::NoPath => {
                     self.course = Course::default();
                     break;
                 }
