@@ -3,17 +3,16 @@
 //! | ring | tasks |
 //! |---|---|
 //! | guard | [`lidar_input`], [`scanner_input`], [`rear_scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
-//! | perception | [`perceive`], and [`drive_route`], [`clean`] or [`navigate`] |
+//! | perception | [`perceive`], and [`drive_route`] or [`drive_mission`] |
 
 mod advise;
 mod buttons;
 mod can;
-mod clean;
 mod drive_order;
 mod imu;
 mod inputs;
 mod lidar;
-mod navigate;
+mod mission;
 mod perception;
 mod rear_scanner;
 mod route;
@@ -25,14 +24,13 @@ mod velocity_base;
 pub use advise::PERSON_PROBABILITY_MIN;
 pub use buttons::BusWithButtons;
 pub use can::can_bus;
-pub use clean::{CleaningMission, MissionMoment, clean};
 pub use imu::imu_input;
 pub use inputs::{
     GuardInput, advice_input, command_input, observed_advice_input, observed_command_input,
     observed_operator_input, operator_input,
 };
 pub use lidar::lidar_input;
-pub use navigate::{Navigation, NavigationMoment, navigate};
+pub use mission::{Mission, MissionMoment, drive_mission};
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use rear_scanner::rear_scanner_input;
 pub use route::drive_route;

@@ -35,7 +35,7 @@ impl Corpus {
             (Stream::ScannerSerial, Payload::Bytes(bytes)) => corpus.scanner.push(bytes),
             (Stream::ImuSerial, Payload::Bytes(bytes)) => corpus.imu.push(bytes),
             (_, Payload::Frame(frame)) => corpus.can.push(frame),
-            (Stream::ScannerData | Stream::Can, Payload::Bytes(_)) => {}
+            (Stream::ScannerData | Stream::RearScannerSerial | Stream::Can, Payload::Bytes(_)) => {}
         });
         corpus.scanner = telegrams(&corpus.scanner.concat());
         corpus

@@ -75,3 +75,33 @@ fn goal_in_a_sealed_room_is_unreachable() {
     assert!(reason.contains("no path leads to the goal, by the map alone"), "{reason}");
     assert!(drive.distance_m < 0.5, "it never drove: {drive:#?}");
 }
+
+/// A person who stands fills the nearer aisle: the robot takes the other one.
+#[test]
+fn blocked_aisle_is_driven_round() {
+    let blocked = "[[person]]\nkind = \"wheelchair\"\nat_m = [3.0, 2.2]\n";
+    let (seen, drive) = play(&drive_plan(aisles("", blocked), Pose2::new(8.5, 2.0, 0.0), 150));
+    assert_eq!(seen.verdict.verdict, Outcome::Good, "{} {drive:#?}", seen.verdict.reason);
+    assert_eq!(seen.verdict.avoidable_contacts, 0, "{:?}", seen.verdict.bodies);
+    let lowest_m = seen.robot_path.iter().map(|pose| pose.y_m).fold(f32::MAX, f32::min);
+    assert!(lowest_m < -1.4, "through the other aisle: {lowest_m} m");
+}
+
+/// The judges notice a robot whose costmap holds no obstacle: it wants to go through the shelf, and the guard holds it there.
+#[test]
+fn robot_with_empty_costmap_fails() {
+    let mut plan = drive_plan(aisles("", ""), Pose2::new(8.5, -0.5, 0.0), 60);
+    plan.navigation.as_mut().expect("a drive").settings.is_blind = true;
+    let (seen, drive) = play(&plan);
+    assert_ne!(seen.verdict.verdict, Outcome::Good, "{drive:#?}");
+    assert!(!drive.reached, "{drive:#?}");
+    assert_eq!(
+        seen.verdict.avoidable_contacts, 0,
+        "the guard stands above the planner: {:?}",
+        seen.verdict.bodies
+    );
+    // The same drive with its costmap is good: what fails is the costmap.
+    plan.navigation.as_mut().expect("a drive").settings.is_blind = false;
+    let (seen, drive) = play(&plan);
+    assert_eq!(seen.verdict.verdict, Outcome::Good, "{} {drive:#?}", seen.verdict.reason);
+}

@@ -11,6 +11,7 @@ use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recordi
 use floorguard_recording::{ReadError, Recording};
 use floorguard_runtime::shared::{PeopleReport, StopRecord};
 use floorguard_sim::FaultSpec;
+use floorguard_types::geometry::Pose2;
 
 #[derive(Default)]
 struct Counter {
@@ -77,6 +78,13 @@ fn faults_and_buttons_replay_to_the_bit() {
         vec![FaultSpec::parse("lidar:drop=5%").unwrap(), FaultSpec::parse("scanner:drop=1%").unwrap()];
     plan.emergency_stop_us = vec![(4_000_000, 6_000_000)];
     check(&plan);
+}
+
+/// What plans a drive to a goal is in the recording, and drives again.
+#[test]
+fn drive_to_a_goal_replays_to_the_bit() {
+    let plan = Plan::named("supermarket", 1, 12_000_000).unwrap();
+    check(&plan.navigating(Pose2::new(14.5, 4.5, 1.57)).unwrap());
 }
 
 /// Sets the checksum of each chunk to 0: not available (MCAP specification, Chunk).

@@ -12,6 +12,7 @@ mod navigation_outcome;
 mod orders;
 mod outcome;
 mod shape;
+mod standing_cause;
 mod stops;
 mod true_world;
 mod truth;

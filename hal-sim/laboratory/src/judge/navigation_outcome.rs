@@ -9,6 +9,8 @@ use floorguard_sim::simulation::Truth as SimTruth;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use serde::Serialize;
 
+use super::standing_cause::StandingMoment;
+
 /// Slower than this is standing, m/s and rad/s.
 const MOVES: (f32, f32) = (0.02, 0.02);
 /// A truth is observed this often, seconds.
@@ -43,7 +45,7 @@ pub struct NavigationReport {
     pub mean_speed_mps: f64,
     /// Share of that time in which it stood.
     pub standing_share: f64,
-    /// How long it stood for which reason, seconds.
+    /// How long it stood for which cause, seconds.
     pub standing_s: BTreeMap<String, f64>,
     /// The longest stretch in which it stood and named no true reason, seconds.
     pub unreasoned_s: f64,
@@ -140,8 +142,12 @@ impl NavigationJudge {
         self.standing_s += STEP_S;
         let reason = self.newest.as_ref().and_then(|progress| progress.standing);
         let is_true = reason.is_some_and(|reason| is_true(reason, decision));
-        let words = reason.filter(|_| is_true).map_or_else(|| "no reason".to_owned(), kind_of);
-        *self.report.standing_s.entry(words).or_default() += STEP_S;
+        let moment = StandingMoment {
+            reason: reason.filter(|_| is_true),
+            decision,
+            nearest_person_m: truth.nearest_person_m,
+        };
+        *self.report.standing_s.entry(moment.cause()).or_default() += STEP_S;
         self.stretch_s = if is_true { 0.0 } else { self.stretch_s + STEP_S };
         self.report.unreasoned_s = self.report.unreasoned_s.max(self.stretch_s);
     }
@@ -183,16 +189,5 @@ fn is_true(reason: StandingReason, decision: Option<Decision>) -> bool {
             permitted.linear_mps.abs() < MOVES.0 && permitted.angular_radps.abs() < 2.0 * MOVES.1
         }),
         _ => true,
-    }
-}
-
-/// The reason without its numbers.
-fn kind_of(reason: StandingReason) -> String {
-    match reason {
-        StandingReason::Recovery(step) => step.obstruction.map_or_else(
-            || step.measure.words().to_owned(),
-            |obstruction| format!("{}: {obstruction}", step.measure.words()),
-        ),
-        other => other.to_string(),
     }
 }

@@ -103,8 +103,10 @@ fn drive_lines(drive: &NavigationReport) -> String {
     let _ = writeln!(text, "  drive: {}", drive.words());
     let mut stood: Vec<_> = drive.standing_s.iter().collect();
     stood.sort_by(|a, b| b.1.total_cmp(a.1));
-    for (reason, seconds) in stood.into_iter().take(6) {
-        let _ = writeln!(text, "    {seconds:5.1} s stood: {reason}");
+    let all_s: f64 = drive.standing_s.values().sum();
+    let _ = writeln!(text, "    standing by cause, {all_s:.1} s in all:");
+    for (cause, seconds) in stood {
+        let _ = writeln!(text, "    {seconds:7.1} s {cause}");
     }
     let measures: Vec<String> =
         drive.measures.iter().map(|(words, count)| format!("{count} x {words}")).collect();

@@ -13,7 +13,7 @@ use super::lines::{Ends, IMU_BAUD, Lines};
 use super::observer::Observer;
 use super::operator::Operator;
 use super::outside::spawn_outside;
-use super::planning::{Planners, spawn_planning};
+use super::planning::{begin_mission, spawn_planning};
 use super::true_state;
 use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
@@ -172,10 +172,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let (setup, navigation) = (world.mission.clone(), world.navigation.clone());
-    let mut planners = Planners {
-        mission: setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
-        navigator: navigation.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
-    };
+    let mut mission = begin_mission(&plan.robot, (&setup, &navigation))?;
     let mut watches = Watches::of(setup, navigation);
     let (lines, Ends { scanner, rear_scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let (mut tasks, mut orders) = (TaskSet::new(), Vec::new());
@@ -189,7 +186,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let (base, guard_tasks) = (spawn_outside(&mut tasks, plan, &shared), tasks.len());
-    spawn_planning(&mut tasks, plan, &shared, (&mut perception, &mut planners));
+    spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_deref_mut()));
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
         if world.sinks.ended.is_stopped() {

@@ -1,6 +1,5 @@
 //! `floorguard goto X Y YAW`: the robot on real devices drives to a place of its map, and the program ends there.
 
-use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,8 +8,8 @@ use floorguard_robot::navigator::{NavigationPhase, NavigationPlan, NavigationPro
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished};
-use super::run::{self, RunArguments};
-use super::values::{coordinate, panel_address, seconds};
+use super::run::{self, RunArguments, RunOutputs};
+use super::values::coordinate;
 use floorguard_configuration::HostedConfiguration;
 
 /// Where to drive.
@@ -28,21 +27,9 @@ pub struct GotoArguments {
     /// The configuration, with the map in [navigation].
     #[arg(default_value = "robot.toml")]
     pub file: PathBuf,
-    /// Give up after so many seconds.
-    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
-    pub duration: Option<f64>,
-    /// One object per line on standard output; the last one says how the drive ended.
-    #[arg(long)]
-    pub json: bool,
-    /// Write the last ten seconds before each stop into this folder.
-    #[arg(long)]
-    pub black_box: Option<PathBuf>,
-    /// Record the run, with plan and costmap.
-    #[arg(long, value_name = "FILE.mcap")]
-    pub record: Option<PathBuf>,
-    /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
-    pub panel: Option<SocketAddr>,
+    /// How long, and what is written of it.
+    #[command(flatten)]
+    pub outputs: RunOutputs,
 }
 
 /// Runs the command.
@@ -51,17 +38,10 @@ pub struct GotoArguments {
 /// As `run`; and the goal was not reached.
 pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
-    let run = RunArguments {
-        file: arguments.file.clone(),
-        duration: arguments.duration,
-        json: arguments.json,
-        black_box: arguments.black_box.clone(),
-        learn: None,
-        record: arguments.record.clone(),
-        panel: arguments.panel,
-    };
-    match run::run_to(&run, Some(goal))? {
-        Some(progress) => conclude(&progress, arguments.json),
+    let GotoArguments { file, outputs, .. } = arguments.clone();
+    let json = outputs.json;
+    match run::run_to(&RunArguments { file, learn: None, outputs }, Some(goal))? {
+        Some(progress) => conclude(&progress, json),
         None => Err(NotFinished("the drive never began".to_owned()).into()),
     }
 }

@@ -45,19 +45,28 @@ const IMU_BAUD: u32 = 115_200;
 pub struct RunArguments {
     /// The configuration; `floorguard check` explains its mistakes.
     pub file: PathBuf,
-    /// End after so many seconds instead of at Ctrl-C.
+    /// Let this environment model learn from the list of people, saved every minute; made if there is none. Places are
+    /// relative to where the robot was switched on.
+    #[arg(long)]
+    pub learn: Option<PathBuf>,
+    /// How long, and what is written of it.
+    #[command(flatten)]
+    pub outputs: RunOutputs,
+}
+
+/// How long the robot runs on real devices, and what is written of it: the same for `run` and `goto`.
+#[derive(Clone, Debug, Default, Args)]
+pub struct RunOutputs {
+    /// End after so many seconds instead of at Ctrl-C; a drive to a goal is given up then.
     #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     pub duration: Option<f64>,
-    /// One object per line on standard output: a status every second, and every stop.
+    /// One object per line on standard output: a status every second, and every stop. With `goto` the last one says how the
+    /// drive ended.
     #[arg(long)]
     pub json: bool,
     /// Write the last ten seconds before each stop into this folder.
     #[arg(long)]
     pub black_box: Option<PathBuf>,
-    /// Let this environment model learn from the list of people, saved every minute; made if there is none. Places are
-    /// relative to where the robot was switched on.
-    #[arg(long)]
-    pub learn: Option<PathBuf>,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
@@ -96,7 +105,7 @@ pub(super) fn run_to(
     let flag = StopFlag::default();
     end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
     introduce(&arguments.file, &configuration);
-    if let Some(folder) = &arguments.black_box {
+    if let Some(folder) = &arguments.outputs.black_box {
         make_folder(folder)?;
     }
     let mut watch = Watch::new(arguments, &shared);
@@ -130,7 +139,8 @@ pub(super) fn run_to(
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Telemetry);
-            let camera = LiveCamera { configuration: &configuration, notes, has_json: arguments.json };
+            let camera =
+                LiveCamera { configuration: &configuration, notes, has_json: arguments.outputs.json };
             camera.watch(source, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
         })
     })?;
@@ -177,7 +187,7 @@ fn open_sinks(
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
     let mut sinks = RunSinks::default();
-    if let Some(path) = &arguments.record {
+    if let Some(path) = &arguments.outputs.record {
         let text =
             std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
         let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
@@ -185,7 +195,7 @@ fn open_sinks(
         let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
         sinks.record_devices(&run, &name, path)?;
     }
-    if let Some(address) = arguments.panel {
+    if let Some(address) = arguments.outputs.panel {
         let mut panel = open_panel(address, &name, robot)?;
         panel.set_clock_start(clock::now());
         sinks.panel = Some(panel);

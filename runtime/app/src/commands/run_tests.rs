@@ -14,12 +14,8 @@ fn unwritable_black_box_is_counted_without_blocking() {
     let shared: Box<HostedShared> = new_shared(&configuration.robot, Stamp::ZERO).unwrap();
     let arguments = RunArguments {
         file: PathBuf::from("robot.toml"),
-        duration: None,
-        json: false,
-        black_box: Some(PathBuf::from("/dev/null/stops")),
         learn: None,
-        record: None,
-        panel: None,
+        outputs: RunOutputs { black_box: Some(PathBuf::from("/dev/null/stops")), ..RunOutputs::default() },
     };
     let mut watch = Watch::new(&arguments, &shared);
     let stop = StopRecord {

@@ -3,6 +3,7 @@
 mod ask_command;
 mod blackbox_command;
 mod book;
+mod goto_command;
 mod inspect_command;
 mod mission_command;
 mod mission_seen;

@@ -9,6 +9,7 @@ use floorguard_runtime::configuration::{BaseKind, RobotConfiguration};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tape::{TapeLine, decode_route};
+use floorguard_runtime::tasks::Mission;
 use floorguard_types::time::Stamp;
 
 use super::audience::{ReplayAudience, ReplayError, ReplayOutcome};
@@ -21,12 +22,12 @@ use floorguard_configuration::{HostedConfiguration, RecordedConfiguration, parse
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::{
-    GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
-    spawn_navigation_ring, spawn_perception_ring,
+    GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_mission_ring,
+    spawn_perception_ring,
 };
-use floorguard_robot::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
+use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationSetup, Navigator};
+use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub const REPEATABLE: &str = "repeatable";
@@ -98,8 +99,8 @@ pub fn replay_recording<R: Read>(
         return outcome.map(|outcome| ReplayOutcome { learned, findings, ..outcome });
     }
     use_virtual_clock(0);
-    let planners = (mission_of(texts, &robot)?, navigator_of(texts, &robot)?);
-    let outcome = play((&robot, stages, (planners, learning)), baud, (recording, audience));
+    let mission = mission_of(texts, &robot)?;
+    let outcome = play((&robot, stages, (mission, learning)), baud, (recording, audience));
     use_real_clock();
     let outcome = ReplayOutcome { findings, ..outcome? };
     if unrepeatable.is_none() {
@@ -121,37 +122,27 @@ fn learning_of(
     setup.map(Some).map_err(|error| ReplayError::Robot(format!("what it had learned before: {error:#}")))
 }
 
-/// The mission of the recording, from its beginning.
+/// What plans in a run; none: the route.
+type Planner = Option<Box<dyn Mission>>;
+
+/// What planned in the recorded run, from its beginning: a drive to a goal, or cleaning.
 fn mission_of(
     texts: &std::collections::BTreeMap<String, String>,
     robot: &RobotConfiguration,
-) -> Result<Option<Cleaner>, ReplayError> {
-    let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its mission: {error:#}"));
+) -> Result<Planner, ReplayError> {
+    if let Some(text) = texts.get(NAVIGATION) {
+        let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
+        let setup = NavigationSetup::new(NavigationPlan::from_text(text).map_err(wrong)?);
+        return Ok(Some(Box::new(setup.begin(robot).map_err(wrong)?)));
+    }
     let Some(text) = texts.get(MISSION) else { return Ok(None) };
-    let plan = MissionPlan::from_text(text).map_err(wrong)?;
-    MissionSetup::new(plan, Store::None).begin(robot).map(Some).map_err(wrong)
+    let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its mission: {error:#}"));
+    let setup = MissionSetup::new(MissionPlan::from_text(text).map_err(wrong)?, Store::None);
+    Ok(Some(Box::new(setup.begin(robot).map_err(wrong)?)))
 }
-
-/// The drive of the recording, from its beginning.
-fn navigator_of(
-    texts: &std::collections::BTreeMap<String, String>,
-    robot: &RobotConfiguration,
-) -> Result<Option<Navigator>, ReplayError> {
-    let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
-    let Some(text) = texts.get(NAVIGATION) else { return Ok(None) };
-    let plan = NavigationPlan::from_text(text).map_err(wrong)?;
-    NavigationSetup::new(plan).begin(robot).map(Some).map_err(wrong)
-}
-
-/// What planned in the recorded run.
-type Planners = (Option<Cleaner>, Option<Navigator>);
 
 fn play<R: Read>(
-    (robot, stages, ((mut mission, mut navigator), learning)): (
-        &RobotConfiguration,
-        Stages,
-        (Planners, Option<LearningSetup>),
-    ),
+    (robot, stages, (mut mission, learning)): (&RobotConfiguration, Stages, (Planner, Option<LearningSetup>)),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
@@ -175,10 +166,9 @@ fn play<R: Read>(
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
-    match (&mut navigator, &mut mission) {
-        (Some(navigator), _) => spawn_navigation_ring(&mut tasks, &shared, (&mut perception, navigator)),
-        (None, Some(mission)) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
-        (None, None) => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
+    match mission.as_deref_mut() {
+        Some(mission) => spawn_mission_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
     }
     let mut stage = Stage {
         shared: &shared,

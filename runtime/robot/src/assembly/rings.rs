@@ -11,16 +11,14 @@ use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
 use floorguard_types::time::Stamp;
 
-use floorguard_runtime::tasks::{clean, navigate, perceive};
+use floorguard_runtime::tasks::{Mission, drive_mission, perceive};
 
 use super::commanded::{FrameLinks, spawn_frame_links};
 use super::guard_task::GuardTask;
 use super::links::{Links, Missing};
 use super::tap::{Poll, Tap};
 use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
-use crate::cleaner::Cleaner;
 use crate::learning::LearningSetup;
-use crate::navigator::Navigator;
 use floorguard_host::executor::{
     PollObserver, PriorityLock, Ring, RingObserver, StopFlag, run_until, run_until_observed, take_priority,
 };
@@ -47,7 +45,7 @@ pub fn run_rings<T>(
     beside: impl FnOnce() -> T,
 ) -> anyhow::Result<T> {
     let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
-    let mission = planner_of(robot, &mut links)?;
+    let mission = mission_of(robot, &mut links)?;
     let heard = (links.people.clone(), links.learning.take());
     // Where a program outside drives, the robot itself asks for nothing.
     let drives_route = mission.is_none() && links.command.is_none();
@@ -176,29 +174,27 @@ fn perception_ring(
     })
 }
 
-/// What plans on a thread of its own.
-enum Planner {
-    Mission(Box<Cleaner>),
-    Goal(Box<Navigator>),
-}
-
-/// A goal comes before a mission; without both the robot drives its route.
-fn planner_of(robot: &RobotConfiguration, links: &mut Links) -> anyhow::Result<Option<Planner>> {
+/// What plans on a thread of its own: a goal comes before cleaning; without both the robot drives its route.
+fn mission_of(
+    robot: &RobotConfiguration,
+    links: &mut Links,
+) -> anyhow::Result<Option<Box<dyn Mission + Send>>> {
     if let Some(setup) = links.navigation.take() {
-        return Ok(Some(Planner::Goal(Box::new(setup.begin(robot)?))));
+        return Ok(Some(Box::new(setup.begin(robot)?)));
     }
     let Some(setup) = links.mission.take() else { return Ok(None) };
-    Ok(Some(Planner::Mission(Box::new(setup.begin(robot)?))))
+    Ok(Some(Box::new(setup.begin(robot)?)))
 }
 
 /// A thread of its own: planning takes longer than people may wait to be seen.
-fn mission_ring(mut planner: Planner, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+fn mission_ring(
+    mut mission: Box<dyn Mission + Send>,
+    shared: &HostedShared,
+    flag: &StopFlag,
+) -> io::Result<()> {
     say!("  {}", take_priority(Ring::Mission));
     run_until(flag, |tasks| {
-        match &mut planner {
-            Planner::Mission(mission) => tasks.spawn(clean(shared, &mut **mission)),
-            Planner::Goal(navigator) => tasks.spawn(navigate(shared, &mut **navigator)),
-        }
+        tasks.spawn(drive_mission(shared, &mut *mission));
         Ok(())
     })
 }

@@ -18,9 +18,9 @@ use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    BusWithButtons, GuardInput, JudgeMotion, NoMotion, PerceptionState, can_bus, clean, drive_route,
-    imu_input, lidar_input, navigate, observed_advice_input, observed_command_input, observed_operator_input,
-    perceive, rear_scanner_input, scanner_datagrams, scanner_input, supervise,
+    BusWithButtons, GuardInput, JudgeMotion, Mission, NoMotion, PerceptionState, can_bus, drive_mission,
+    drive_route, imu_input, lidar_input, observed_advice_input, observed_command_input,
+    observed_operator_input, perceive, rear_scanner_input, scanner_datagrams, scanner_input, supervise,
 };
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
@@ -28,9 +28,7 @@ use floorguard_types::time::Stamp;
 use super::guard_task::GuardTask;
 use super::inbox::PeopleInbox;
 use super::tap::Tap;
-use crate::cleaner::Cleaner;
 use crate::learning::{LearningSetup, PeopleLearner};
-use crate::navigator::Navigator;
 use floorguard_host::executor::TaskSet;
 
 /// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
@@ -250,22 +248,12 @@ pub fn spawn_perception_ring<'a, M: RawMutex>(
     tasks.spawn(drive_route(shared, follower));
 }
 
-/// The same with a mission instead of the route.
-pub fn spawn_cleaning_ring<'a, M: RawMutex>(
+/// The same with a mission instead of the route: cleaning, or a drive to a goal.
+pub fn spawn_mission_ring<'a, M: RawMutex>(
     tasks: &mut TaskSet<'a>,
     shared: &'a Shared<M>,
-    (state, mission): (&'a mut HostedPerception, &'a mut Cleaner),
+    (state, mission): (&'a mut HostedPerception, &'a mut dyn Mission),
 ) {
     tasks.spawn(perceive(shared, state));
-    tasks.spawn(clean(shared, mission));
-}
-
-/// The same with a goal instead of the route.
-pub fn spawn_navigation_ring<'a, M: RawMutex>(
-    tasks: &mut TaskSet<'a>,
-    shared: &'a Shared<M>,
-    (state, navigator): (&'a mut HostedPerception, &'a mut Navigator),
-) {
-    tasks.spawn(perceive(shared, state));
-    tasks.spawn(navigate(shared, navigator));
+    tasks.spawn(drive_mission(shared, mission));
 }

@@ -13,7 +13,7 @@ use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::StampedPose;
-use floorguard_runtime::tasks::{CleaningMission, MissionMoment};
+use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::DirtReading;
@@ -334,7 +334,7 @@ impl Cleaner {
     }
 }
 
-impl CleaningMission for Cleaner {
+impl Mission for Cleaner {
     fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
         let began = *self.began.get_or_insert(moment.now);
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;

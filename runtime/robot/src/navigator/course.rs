@@ -26,6 +26,14 @@ impl Course {
         course
     }
 
+    /// A follower has ended beside the goal: from a pose straight there, for the local planner. Where that finds no motion, the
+    /// robot stands with a reason.
+    pub(super) fn end_at(&mut self, (pose_in_map, goal_in_map): (Pose2, Pose2)) {
+        let ahead = |pose_in_map| Waypoint { pose_in_map, gear: Gear::Ahead };
+        self.path = vec![ahead(pose_in_map), ahead(goal_in_map)];
+        self.begin(1);
+    }
+
     fn begin(&mut self, first: usize) {
         let rest = self.path.get(first..).unwrap_or_default();
         let gear = rest.first().map(|at| at.gear);

@@ -10,7 +10,7 @@ use floorguard_navigation::recovery::{
     Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, RecoveryTimes, Trail,
 };
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{Navigation, NavigationMoment};
+use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
 use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
@@ -174,6 +174,10 @@ impl Navigator {
                 self.failure = None;
                 self.is_proved = true;
                 self.course = Course::new(plan, path);
+                if self.course.gear().is_none() {
+                    // Too near for the lattice.
+                    self.course.end_at((pose, goal));
+                }
                 self.steering.restart();
             }
             Err(failure) => {
@@ -222,6 +226,9 @@ impl Navigator {
             };
             match command.verdict {
                 LocalVerdict::Arrived if !self.course.is_last() => self.course.next_piece(),
+                LocalVerdict::Arrived if !self.is_at_goal(pose) => {
+                    self.course.end_at((pose, self.plan.goal_pose()))
+                }
                 LocalVerdict::NoPath => {
                     self.course = Course::default();
                     break;
@@ -337,30 +344,10 @@ impl Navigator {
         let is_held = decision.is_none_or(|decision| is_standing(decision.permitted));
         self.held_s = if wants && is_held { self.held_s + lasted_s } else { 0.0 };
     }
-
-    /// Why the robot stands, if it is to stand or is not let.
-    fn standing_reason(&self, moment: &NavigationMoment<'_>) -> Option<StandingReason> {
-        let is_held = moment.decision.is_none_or(|decision| is_standing(decision.permitted));
-        let is_asked = !is_standing(self.requested);
-        match (self.phase, self.step) {
-            _ if moment.is_paused => Some(StandingReason::Paused),
-            (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
-            (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
-                Some(StandingReason::Recovery(step))
-            }
-            _ if is_asked && is_held => Some(
-                moment
-                    .decision
-                    .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
-            ),
-            (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
-            _ => None,
-        }
-    }
 }
 
-impl Navigation for Navigator {
-    fn step(&mut self, moment: &NavigationMoment<'_>) -> Twist2 {
+impl Mission for Navigator {
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
         let began = *self.began.get_or_insert(moment.now);
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
         let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);

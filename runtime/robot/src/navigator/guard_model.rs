@@ -3,9 +3,9 @@
 //! The rules are the guard's (book, Guard: Collision): somebody near limits the speed, and nobody may be reached sooner than the
 //! robot can stand. People are where they will be by then. An answer is a forecast; the guard decides.
 
-use floorguard_guard::{Body, DriveLimits, Thresholds};
+use floorguard_guard::{AdvisedPerson, Body, DriveLimits, Thresholds};
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{MovingPerson, Permission, PermittedMotion, PlannedMotion};
 
 use super::model::PERSON_RADIUS_M;
@@ -16,8 +16,10 @@ const PEOPLE_MAX: usize = 6;
 const REACH_M: f32 = 6.0;
 /// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
 const DEVIATION_MAX_M: f32 = 0.15;
-/// How long a stop for a person holds the robot until it is as fast again, seconds.
-const HELD_S: f32 = 2.5;
+/// How long a stop for a person holds the robot: until a second after the last evidence, and what the guard sees of it late, seconds.
+const HELD_S: f32 = 1.3;
+/// From this speed on the guard judges people by what the robot does; below by a slow start of what it requests, m/s.
+const STARTED_MPS: f32 = 0.05;
 
 /// The rules, and who is near.
 #[derive(Clone, Debug)]
@@ -47,20 +49,30 @@ impl GuardModel {
         self.people.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         self.people.truncate(PEOPLE_MAX);
     }
+
+    /// The motion by which the guard judges people.
+    fn judged(&self, twist: Twist2) -> Twist2 {
+        let speed_mps = twist.linear_mps.abs();
+        if speed_mps > STARTED_MPS {
+            return twist;
+        }
+        let times = self.thresholds.person_speed_mps / speed_mps.max(1.0e-3);
+        Twist2 { linear_mps: twist.linear_mps * times, angular_radps: twist.angular_radps * times }
+    }
 }
 
 impl PermittedMotion for GuardModel {
     /// Cost: a few products a person, six people at most.
     fn permission(&self, motion: PlannedMotion) -> Permission {
-        let speed_mps = motion.twist.linear_mps.abs();
         let mut permission = Permission::FREE;
-        if self.people.is_empty() || speed_mps < 0.02 {
+        if self.people.is_empty() || motion.twist.linear_mps.abs() < 0.02 {
             return permission;
         }
+        let twist = self.judged(motion.twist);
         let pose = motion.pose_in_map;
         let (sin, cos) = libm::sincosf(pose.heading_rad);
         let turned = |x_m: f32, y_m: f32| Point2::new(cos * x_m + sin * y_m, cos * y_m - sin * x_m);
-        let clear_s = self.drive.clear_of_people_s(speed_mps);
+        let clear_s = self.drive.clear_of_people_s(twist.linear_mps.abs());
         for person in &self.people {
             let velocity = person.velocity_in_map_mps;
             let then = Point2::new(
@@ -72,9 +84,19 @@ impl PermittedMotion for GuardModel {
             if gap_m < self.thresholds.person_near_m {
                 permission.speed_limit_mps = permission.speed_limit_mps.min(self.thresholds.person_speed_mps);
             }
-            let relative = turned(velocity.x_m, velocity.y_m);
-            let relative = Point2::new(relative.x_m - motion.twist.linear_mps, relative.y_m);
-            let radius_m = PERSON_RADIUS_M + 2.0 * person.position_deviation_m.min(DEVIATION_MAX_M);
+            let velocity_mps = turned(velocity.x_m, velocity.y_m);
+            let position_sigma_m = person.position_deviation_m.min(DEVIATION_MAX_M);
+            let advised = AdvisedPerson {
+                position: in_base,
+                velocity_mps,
+                position_sigma_m,
+                ..AdvisedPerson::default()
+            };
+            if self.body.recedes_from(&advised, twist) {
+                continue;
+            }
+            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
+            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
             if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
                 return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
             }

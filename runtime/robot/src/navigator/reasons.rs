@@ -2,6 +2,10 @@
 
 use floorguard_guard::{Cause, Decision};
 use floorguard_navigation::recovery::{Measure, RecoveryStep};
+use floorguard_runtime::tasks::MissionMoment;
+
+use super::drive::{Navigator, is_standing};
+use super::progress::NavigationPhase;
 
 /// Why the robot stands. Everything that the drive can do about it has a name here; a robot that stands for no such reason is at
 /// fault.
@@ -41,6 +45,28 @@ impl std::fmt::Display for StandingReason {
                 None => write!(f, "{}", step.measure.words()),
             },
             Self::Ended => write!(f, "the drive has ended"),
+        }
+    }
+}
+
+impl Navigator {
+    /// Why the robot stands, if it is to stand or is not let.
+    pub(super) fn standing_reason(&self, moment: &MissionMoment<'_>) -> Option<StandingReason> {
+        let is_held = moment.decision.is_none_or(|decision| is_standing(decision.permitted));
+        let is_asked = !is_standing(self.requested);
+        match (self.phase, self.step) {
+            _ if moment.is_paused => Some(StandingReason::Paused),
+            (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
+            (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
+                Some(StandingReason::Recovery(step))
+            }
+            _ if is_asked && is_held => Some(
+                moment
+                    .decision
+                    .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
+            ),
+            (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
+            _ => None,
         }
     }
 }

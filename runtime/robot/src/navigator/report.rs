@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use floorguard_navigation::costmap::{CostmapView, Costs};
-use floorguard_runtime::tasks::NavigationMoment;
+use floorguard_runtime::tasks::MissionMoment;
 use floorguard_types::motion::Waypoint;
 
 use super::drive::Navigator;
@@ -16,7 +16,7 @@ const COSTMAP_S: f32 = 1.0;
 
 impl Navigator {
     /// Makes the progress known, if it is time or something changed.
-    pub(super) fn report(&mut self, moment: &NavigationMoment<'_>, now_s: f32) {
+    pub(super) fn report(&mut self, moment: &MissionMoment<'_>, now_s: f32) {
         if now_s >= self.next_costmap_s {
             self.next_costmap_s = now_s + COSTMAP_S;
             self.costmap = self.maps.window().map(|costmap| Arc::new(picture(costmap)));
@@ -29,7 +29,7 @@ impl Navigator {
         }
     }
 
-    fn progress(&self, moment: &NavigationMoment<'_>) -> NavigationProgress {
+    fn progress(&self, moment: &MissionMoment<'_>) -> NavigationProgress {
         let has_path = self.course.gear().is_some();
         let left_m = has_path.then(|| self.course.left_m());
         NavigationProgress {

@@ -16,7 +16,7 @@ pub struct MppiWeights {
     pub person: f32,
     /// Touching something, seconds.
     pub collision: f32,
-    /// Every second that the guard would hold the robot, seconds.
+    /// Every stop by the guard, seconds; the time for which the robot is held counts by itself.
     pub held: f32,
     /// Off the path at the end, seconds for a metre.
     pub off_path: f32,

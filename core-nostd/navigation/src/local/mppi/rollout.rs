@@ -40,6 +40,8 @@ struct Model {
     at: Placement,
     heading_rad: f32,
     twist: Twist2,
+    /// The guard holds it for so long, seconds.
+    held_s: f32,
 }
 
 impl Model {
@@ -80,6 +82,7 @@ impl<P: PermittedMotion> Stage<'_, P> {
             at: Placement { x_m: self.pose.x_m, y_m: self.pose.y_m, sin, cos },
             heading_rad: self.pose.heading_rad,
             twist: self.twist,
+            held_s: 0.0,
         };
         let (mut cost_s, mut before) = (0.0, self.twist);
         for (step, request) in requests.iter().enumerate() {
@@ -105,10 +108,15 @@ impl<P: PermittedMotion> Stage<'_, P> {
         weights.speed_change * change_mps * change_mps + weights.turn_change * change_radps * change_radps
     }
 
-    /// Moves by what the drive makes of a request and the guard permits of it; gives what the guard costs.
+    /// Moves by what the drive makes of a request and the guard permits of it; gives what that costs beside the time. A robot
+    /// that the guard stops stands for as long as it is held.
     #[inline]
     fn advance(&self, robot: &mut Model, request: Twist2, step: usize) -> f32 {
         let config = self.config;
+        if robot.held_s > 0.0 {
+            robot.held_s -= config.step_s;
+            return 0.0;
+        }
         let limit_mps = self.speed_limit_mps;
         let request = Twist2 { linear_mps: request.linear_mps.clamp(-limit_mps, limit_mps), ..request };
         robot.twist = config.drive.reachable(robot.twist, request, config.step_s);
@@ -119,18 +127,18 @@ impl<P: PermittedMotion> Stage<'_, P> {
         };
         let permission = self.guard.permission(motion);
         let speed_mps = libm::fabsf(robot.twist.linear_mps);
-        let mut held_s = 0.0;
         if speed_mps > permission.speed_limit_mps {
+            if permission.held_s > 0.0 {
+                (robot.twist, robot.held_s) = (Twist2::ZERO, permission.held_s - config.step_s);
+                return config.weights.held;
+            }
             // The guard keeps the curvature.
             let share = permission.speed_limit_mps.max(0.0) / speed_mps;
             robot.twist.linear_mps *= share;
             robot.twist.angular_radps *= share;
-            held_s = config.weights.held * (permission.held_s + config.step_s * (1.0 - share));
         }
         robot.step(config.step_s);
-        let reverse_s =
-            if robot.twist.linear_mps < 0.0 { config.weights.reverse * config.step_s } else { 0.0 };
-        held_s + reverse_s
+        if robot.twist.linear_mps < 0.0 { config.weights.reverse * config.step_s } else { 0.0 }
     }
 
     /// What a place costs; `None`: the robot touches something there.

@@ -61,7 +61,7 @@ pub(super) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     pub(super) fn new(arguments: &'a RunArguments, shared: &'a HostedShared) -> Self {
-        let display = LiveDisplay::new(arguments.duration.unwrap_or(0.0), arguments.json);
+        let display = LiveDisplay::new(arguments.outputs.duration.unwrap_or(0.0), arguments.outputs.json);
         let began = Instant::now();
         Self {
             arguments,
@@ -94,7 +94,7 @@ impl<'a> Watch<'a> {
         typed: &Receiver<String>,
         notes: &TelemetrySender<'_>,
     ) {
-        let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
+        let ends_s = self.arguments.outputs.duration.unwrap_or(f64::INFINITY);
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
             thread::sleep(POLL_PERIOD);
             for line in typed.try_iter() {
@@ -136,7 +136,7 @@ impl<'a> Watch<'a> {
 
     /// A word on the drive to a goal.
     pub(super) fn note_drive(&mut self, line: &serde_json::Value, words: &str) {
-        if self.arguments.json {
+        if self.arguments.outputs.json {
             self.lines.tell(line);
         } else {
             self.display.note(&format!("  drive: {words}"));
@@ -165,7 +165,7 @@ impl<'a> Watch<'a> {
     fn on_learning(&mut self) {
         let Some(writer) = &mut self.learned else { return };
         let Some(update) = writer.attend() else { return };
-        if self.arguments.json {
+        if self.arguments.outputs.json {
             self.print_learned();
         } else {
             self.display.note(&format!("  {update}"));
@@ -184,7 +184,7 @@ impl<'a> Watch<'a> {
     pub(super) fn reports_learned_state(&mut self) {
         self.on_learning();
         if let Some(report) = self.learned.as_ref().and_then(LearningWriter::report) {
-            if self.arguments.json {
+            if self.arguments.outputs.json {
                 self.print_learned();
             }
             say!("floorguard run: learned: {}", report.words());
@@ -196,7 +196,7 @@ impl<'a> Watch<'a> {
         let elapsed_s = self.began.elapsed().as_secs_f64();
         let is_done = progress.phase == MissionPhase::Done && !self.is_done;
         self.is_done |= is_done;
-        if self.arguments.json {
+        if self.arguments.outputs.json {
             self.lines.tell(&json!({
                 "type": "mission",
                 "time_s": elapsed_s,
@@ -217,11 +217,11 @@ impl<'a> Watch<'a> {
         self.stops += 1;
         let at_s = stop.stamp.as_micros() as f64 * 1.0e-6;
         self.last_stop = Some(format!("{at_s:.1} s: {}", stop.cause));
-        if let Some(folder) = &self.arguments.black_box {
+        if let Some(folder) = &self.arguments.outputs.black_box {
             let outcome = write_stop_file(folder, self.stops, (stop, self.shared));
             self.written(outcome.map(drop));
         }
-        if self.arguments.json {
+        if self.arguments.outputs.json {
             let cause = stop.cause.to_string();
             let latched = stop.state == GuardState::Latched;
             let line = json!({"type": "stop", "time_s": at_s, "cause": cause, "speed_mps": stop.speed_mps, "latched": latched});
@@ -233,7 +233,7 @@ impl<'a> Watch<'a> {
     fn on_history(&mut self, status: &RobotStatus) {
         for event in self.history.news(status) {
             let (at_s, line) = (event.at.as_micros() as f64 * 1.0e-6, event.line());
-            if self.arguments.json {
+            if self.arguments.outputs.json {
                 self.lines
                     .tell(&json!({"type": event.kind, "time_s": at_s, "text": line, "remedy": event.remedy}));
             } else {
@@ -249,7 +249,7 @@ impl<'a> Watch<'a> {
         let mut seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
         let progress = self.mission.as_ref().and_then(|mission| mission.watch.get());
         seen.mission = progress.map(|progress| progress.words());
-        if self.arguments.json && elapsed_s >= self.next_json_s {
+        if self.arguments.outputs.json && elapsed_s >= self.next_json_s {
             self.next_json_s = elapsed_s + JSON_STATUS_S;
             let sources: serde_json::Map<String, serde_json::Value> = seen
                 .sources

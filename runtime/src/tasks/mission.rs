@@ -1,7 +1,8 @@
-//! Runs a cleaning mission: collects its inputs and publishes its requested velocity.
+//! Runs what plans the robot's motion on a hosted robot, a cleaning mission or a drive to a goal: collects its inputs and
+//! publishes its requested velocity.
 //!
-//! The mission is a value behind a trait, as the verdict on what moves is: the hosted robot has memory for a belief of
-//! 500 particles, another board may have another. The guard permits or refuses each request.
+//! A mission is a value behind a trait, as the verdict on what moves is: the hosted robot has memory for a belief of
+//! 500 particles and for maps, another board may have less. The guard permits or refuses each request.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
@@ -29,7 +30,7 @@ pub struct MissionMoment<'a> {
     pub dirt: Option<DirtReading>,
     /// What the guard permits now.
     pub decision: Option<Decision>,
-    /// The newest list of people, seen or not: its stamp tells how old it is.
+    /// The newest list of people, seen or not: its stamp says how old it is.
     pub people: Option<&'a PeopleReport>,
     /// What the floor camera sees, if it is a picture that the mission has not seen.
     pub floor: Option<&'a FloorSight>,
@@ -37,14 +38,14 @@ pub struct MissionMoment<'a> {
     pub is_paused: bool,
 }
 
-/// A mission that drives a robot.
-pub trait CleaningMission {
-    /// Takes in a moment and gives the wanted command.
+/// Drives a robot.
+pub trait Mission {
+    /// Takes in a moment and gives the requested velocity.
     fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2;
 }
 
 /// Perception ring. Runs for ever; requests to stand when nothing is left to be done or the operator pauses.
-pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningMission) {
+pub async fn drive_mission<M: RawMutex>(shared: &Shared<M>, mission: &mut (impl Mission + ?Sized)) {
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     let mut seen_scan = 0;
     let (mut seen_people, mut people) = (0, None);
