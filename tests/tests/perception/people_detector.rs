@@ -20,7 +20,7 @@ fn walking_people_of_a_real_hall_are_claimed() {
 }
 
 /// Objects that are taken for people in real rooms. The bounds are what was measured, rounded up: in the first second 0.8
-/// a sweep in an office, 2.5 in a machine hall and 1.2 in a public hall, where 0.3 are left after ten seconds.
+/// a sweep in an office, 2.5 in a machine hall and 1.2 in a public hall, where 0.2 are left after ten seconds.
 #[test]
 fn few_objects_are_taken_for_people() {
     let folder = "vlp16_clouds/fabu_hall_people_A_reencoded";
