@@ -1,6 +1,6 @@
 //! The second safety scanner: what only it sees stops the robot and stays in the memory, and its loss stops as that of the first.
 
-use super::fixtures::{Rig, config, config_with_rear, forward};
+use super::fixtures::{Rig, config, config_with_rear, forward, scan_of};
 use super::timelines::stopped;
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
@@ -56,8 +56,7 @@ fn fg_req_029_lost_rear_scanner_stops_by_name() {
     rig.silent.push(Source::RearScanner);
     let stopped_ms = rig.until(stopped);
     assert!(stopped_ms.is_some_and(|ms| ms <= 220), "{stopped_ms:?}");
-    let lost = Cause::SourceLost(Source::RearScanner);
-    assert!(rig.guard.causes().any(|record| record.cause == lost));
+    assert!(rig.guard.causes().any(|record| record.cause == Cause::SourceLost(Source::RearScanner)));
     // It never came: nothing moves.
     let mut rig = Rig::with(config_with_rear());
     rig.silent.push(Source::RearScanner);
@@ -71,11 +70,10 @@ fn fg_req_029_each_scanner_needs_its_own_scans() {
     rig.run_ms(2_000);
     // One hit of each: neither has two that agree.
     rig.obstacles = [BEHIND.as_slice(), &[Point2::new(1.2, 0.0)]].concat();
-    let other = rig.guard.config().scanner;
-    let scan = super::fixtures::scan_of(&other, (rig.now, 7), &rig.obstacles);
+    let scan = scan_of(&rig.guard.config().scanner, (rig.now, 7), &rig.obstacles);
     rig.guard.on_scan(&scan, rig.now);
     let geometry = rig.guard.config().rear_scanner.unwrap();
-    let behind = super::fixtures::scan_of(&geometry, (rig.now, 7), &rig.obstacles);
+    let behind = scan_of(&geometry, (rig.now, 7), &rig.obstacles);
     let decision = rig.guard.on_rear_scan(&behind, rig.now);
     assert!(!decision.action.stops(), "{decision:?}");
     // A scan of another device is a fault of the rear scanner alone.

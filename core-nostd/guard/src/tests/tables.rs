@@ -249,11 +249,8 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
     assert!(!nothing.check_next(&config, body, ((&scan, &rear), &packet, &rays)), "nothing is remembered");
     let mut twice = fresh();
     assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, ((&scan, &rear), &packet, &rays))));
-    let other_config = {
-        let mut other = config.clone();
-        other.drive.speed_mps += 0.1;
-        other
-    };
+    let mut other_config = config.clone();
+    other_config.drive.speed_mps += 0.1;
     assert_eq!(noticed(&other_config, body, ((&scan, &rear), &packet, &rays)), 1);
     assert_eq!(noticed(&config, Body { x_m: [-0.45, 0.96], ..body }, ((&scan, &rear), &packet, &rays)), 1);
     let mut other_scan = scan.clone();

@@ -83,6 +83,13 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     run_to(arguments, None).map(drop)
 }
 
+/// Opens the lines to the devices, and the one on which velocities come.
+fn bind_links(configuration: &HostedConfiguration) -> anyhow::Result<Links> {
+    let links = Links::bind(&configuration.carriers);
+    let links = links.and_then(|links| links.commanded(configuration.command.as_ref()));
+    Ok(links.map_err(|error| BadInput(error.to_string()))?)
+}
+
 /// The same to a goal: the run ends there, or where the drive is given up. Gives the last progress of the drive.
 ///
 /// # Errors
@@ -96,9 +103,7 @@ pub(super) fn run_to(
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
-    let links = Links::bind(&configuration.carriers);
-    let links = links.and_then(|links| links.commanded(configuration.command.as_ref()));
-    let mut links = links.map_err(|error| BadInput(error.to_string()))?;
+    let mut links = bind_links(&configuration)?;
     let began = clock::now();
     let shared: Box<HostedShared> = new_shared(&configuration.robot, began)
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
