@@ -83,7 +83,7 @@ impl Supervisor {
                 record = record.measured(f32::from(code), 0.0, Unit::Code);
             }
             record.health = health;
-            record.ahead_us = monitor.ahead_us;
+            record.ahead_us = u64::from(monitor.ahead_us);
             self.state.machine.raise(record);
         }
         all_healthy

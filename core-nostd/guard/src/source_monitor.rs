@@ -25,8 +25,9 @@ pub const FUTURE_TOLERANCE_US: u64 = 2_000;
 pub struct SourceMonitor {
     /// Newest accepted measurement.
     pub newest: Option<Stamp>,
-    /// How far ahead of our clock the last refused stamp was, microseconds; 0 = the last stamp was acceptable.
-    pub ahead_us: u64,
+    /// How far ahead of our clock the last refused stamp was, microseconds, at most some 71 minutes; 0 = the last stamp was
+    /// acceptable. The state is copied and compared at each decision: each byte counts.
+    pub ahead_us: u32,
     /// What the driver or a check reported after the last good sample.
     pub fault: Option<FaultKind>,
     /// It sees nothing where it must see something.
@@ -55,7 +56,7 @@ impl SourceMonitor {
         if let Age::Future(ahead_us) = stamp.age(now)
             && ahead_us > FUTURE_TOLERANCE_US
         {
-            self.ahead_us = ahead_us;
+            self.ahead_us = u32::try_from(ahead_us).unwrap_or(u32::MAX);
             return false;
         }
         self.ahead_us = 0;

@@ -284,7 +284,7 @@ impl Supervisor {
                 source,
                 health: monitor.health(&rules, now),
                 age_us: monitor.age_us(now),
-                ahead_us: monitor.ahead_us,
+                ahead_us: u64::from(monitor.ahead_us),
                 fitted: rules.fitted,
             }
         })
