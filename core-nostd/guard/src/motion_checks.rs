@@ -1,7 +1,7 @@
 //! Does the robot move as it should, and do its sensors agree about it?
 
-use crate::protection::{Cause, CauseRecord, Creep, GuardConfig, Motion, Source, Unit};
-use floorguard_types::time::{Age, Stamp};
+use crate::protection::{Cause, CauseRecord, Creep, GuardConfig, Motion, Persistence, Source, Unit};
+use floorguard_types::time::Stamp;
 
 /// Share by which the measured speed may exceed the permitted one (book, Guard: Motion checks).
 const OVERSPEED_SHARE: f32 = 1.1;
@@ -9,26 +9,6 @@ const OVERSPEED_SHARE: f32 = 1.1;
 const OVERSPEED_FLOOR_MPS: f32 = 0.05;
 /// Slip is called after this long, microseconds (book, Guard: Motion checks).
 const SLIP_US: u64 = 200_000;
-
-/// A condition that must persist.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Persistence {
-    pub(super) since: Option<Stamp>,
-}
-
-impl Persistence {
-    const NEVER: Self = Self { since: None };
-
-    /// The condition has been true for at least `hold_us`.
-    pub fn check(&mut self, condition: bool, (hold_us, now): (u64, Stamp)) -> bool {
-        if !condition {
-            self.since = None;
-            return false;
-        }
-        let since = *self.since.get_or_insert(now);
-        matches!(since.age(now), Age::Past(us) if us >= hold_us)
-    }
-}
 
 /// What is remembered between checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

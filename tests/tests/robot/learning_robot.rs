@@ -76,7 +76,9 @@ fn whatever_was_learned_no_stop_is_loosened() {
     let all = Weights { offset: 1.0e2, ..Weights::ZERO };
     anxious.learning = Some(LearningSetup::beside(Vec::new(), all, 5_000_000));
     let anxious = play(&anxious, None);
-    assert!(people(&anxious) > people(&shipped), "{} {}", people(&anxious), people(&shipped));
+    // What it adds is furniture, which stays explained in the list; the advice and the recording have it.
+    assert!(people(&anxious) >= people(&shipped), "{} {}", people(&anxious), people(&shipped));
+    assert_ne!(shipped.verdict.digest, anxious.verdict.digest);
     let mut pairs = shipped.speeds.iter().zip(&anxious.speeds);
     let differs = pairs.find(|(one, other)| one != other);
     assert!(differs.is_none_or(|(one, other)| other.2 <= one.2 || other.1 < one.1), "{differs:?}");

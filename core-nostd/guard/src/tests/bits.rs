@@ -2,7 +2,7 @@
 //! another of their values, as one bit.
 
 use crate::field_selection::FieldSelection;
-use crate::motion_checks::{MotionChecks, Persistence};
+use crate::motion_checks::MotionChecks;
 use crate::protection::{
     CauseRecord, DriveLimits, FaultKind, FieldSet, HeldCause, HeldCauses, ScannerGeometry, SourceRules,
     Thresholds, Travel, Unit,

@@ -4,7 +4,6 @@ use super::fixtures::{config, forward};
 use crate::Blocked;
 use crate::field_selection::travel_of;
 use crate::limiter::{is_straight, lets_leave, limited};
-use crate::motion_checks::Persistence;
 use crate::scan_check::ScanFinding;
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};

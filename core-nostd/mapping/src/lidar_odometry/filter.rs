@@ -40,7 +40,7 @@ impl MotionNoise {
     /// A person who carries the sensor.
     #[must_use]
     pub fn hand_held() -> Self {
-        Self { angular_radps: Vector3::repeat(4.0), linear_mps: Vector3::repeat(2.0) }
+        Self { angular_radps: Vector3::from_element(4.0), linear_mps: Vector3::from_element(2.0) }
     }
 }
 

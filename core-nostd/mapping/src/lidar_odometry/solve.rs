@@ -51,6 +51,8 @@ pub(super) struct Found {
     pub(super) weakest: Weakest,
 }
 
+/// No configuration asks for more corrections of a sweep.
+const ROUNDS_MAX: u32 = 100;
 /// A widening below this is none.
 const NARROW: f32 = 1.3;
 
@@ -66,7 +68,7 @@ pub(super) fn solve<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let mut widening = rounds.widening;
     let mut sums = Sums::none();
     let (mut weakest, mut tension) = (Weakest::of_nothing(), f64::INFINITY);
-    for _ in 0..rounds.most {
+    for _ in 0..rounds.most.min(ROUNDS_MAX) {
         let motion = SweepMotion::new(&state.pose, &state.twist, knowledge.duration_s);
         let wide = config.kernel * widening;
         let round = Round { config, kernel: wide * wide, motion: &motion };

@@ -45,6 +45,10 @@ pub struct ColumnGrid<C> {
 
 /// Edge of a column, metres.
 pub(super) const COLUMN_M: f32 = 0.1;
+/// Columns of the largest grid: its side has 16 bits.
+const COLUMNS_MAX: u32 = 65_535 * 65_535;
+/// Columns along an axis to the farthest neighbour that is asked for.
+const REACH_MAX: i32 = 64;
 /// Columns of a part; a larger one is cut, and what is cut off is a part of its own.
 pub(super) const MEMBERS: usize = 2_048;
 
@@ -98,7 +102,7 @@ impl<C: AsRef<[Column]> + AsMut<[Column]>> ColumnGrid<C> {
 
     /// All numbers.
     pub(super) fn numbers(&self) -> core::ops::Range<u32> {
-        0..u32::from(self.side).saturating_mul(u32::from(self.side))
+        0..u32::from(self.side).saturating_mul(u32::from(self.side)).min(COLUMNS_MAX)
     }
 
     /// Columns at most `reach` away along each axis, the column itself among them.
@@ -107,8 +111,8 @@ impl<C: AsRef<[Column]> + AsMut<[Column]>> ColumnGrid<C> {
         let (column, row) = (truncating_i32(number % side), truncating_i32(number / side));
         let width = i32::from(self.side);
         let inside = move |value: i32| (0..width).contains(&value);
-        (-reach..=reach)
-            .flat_map(move |up| (-reach..=reach).map(move |right| (column + right, row + up)))
+        (-reach..=reach.min(REACH_MAX))
+            .flat_map(move |up| (-reach..=reach.min(REACH_MAX)).map(move |right| (column + right, row + up)))
             .filter(move |(column, row)| inside(*column) && inside(*row))
             .map(move |(column, row)| truncating_u32(row.wrapping_mul(width).wrapping_add(column)))
     }

@@ -96,7 +96,7 @@ impl<const RINGS: usize, const CELLS: usize> SweepFan<RINGS, CELLS> {
                 let reach_rad = rule.tube_m / cell.range_m;
                 let reach = saturating_usize(reach_rad / step_rad).min(reach_max);
                 let until_m = cell.range_m - rule.margin_m;
-                for other in ring.saturating_sub(1)..=ring.saturating_add(1) {
+                for other in ring.saturating_sub(1)..=ring.saturating_add(1).min(RINGS) {
                     let is_near = self.ring_gap_rad(ring, other) < reach_rad;
                     if !is_near || (other == ring && reach == 0) {
                         continue;
@@ -116,11 +116,14 @@ impl<const RINGS: usize, const CELLS: usize> SweepFan<RINGS, CELLS> {
     }
 }
 
+/// More cells than any ring has.
+const AROUND_MAX: usize = 65_536;
+
 /// Lowers the limits around a cell of a closed ring.
 fn lower(limits: &mut [f32], index: usize, reach: usize, until_m: f32) {
     let cells = limits.len();
     let first = index.saturating_add(cells).saturating_sub(reach);
-    for offset in 0..=reach.saturating_mul(2) {
+    for offset in 0..=reach.saturating_mul(2).min(AROUND_MAX) {
         let at = first.saturating_add(offset).checked_rem(cells).unwrap_or(0);
         if let Some(limit) = limits.get_mut(at) {
             *limit = limit.min(until_m);

@@ -40,6 +40,7 @@
 //!     type FloorSamples = <Board as Profile>::FloorSamples;
 //!     type FloorObjects = <Board as Profile>::FloorObjects;
 //!     type FloorParts = <Board as Profile>::FloorParts;
+//!     type RearScanners = <Board as Profile>::RearScanners;
 //!     const FLOOR_LATTICE_COLUMNS: u16 = Board::FLOOR_LATTICE_COLUMNS;
 //! }
 //!

@@ -73,16 +73,18 @@ fn place(top: &Reader<'_>, section: &'static str) -> Range<usize> {
     top.find(section).map_or(0..0, |value| value.span())
 }
 
+/// The key has a number for each of two channels.
+fn is_pair(section: &Reader<'_>, key: &'static str) -> bool {
+    let value = section.find(key).and_then(|value| value.get_ref().as_array());
+    value.is_some_and(|numbers| numbers.len() > 1)
+}
+
 /// Refuses two channels of an input on one bit, and two inputs on one bit. Each input comes with its key.
 pub(super) fn check_bits(section: &Reader<'_>, inputs: &[(&'static str, Option<InputBits>)]) {
     let fitted = || inputs.iter().filter_map(|(key, input)| input.map(|input| (*key, input.bits)));
-    let is_pair = |key: &'static str| {
-        let value = section.find(key).and_then(|value| value.get_ref().as_array());
-        value.is_some_and(|numbers| numbers.len() > 1)
-    };
     let place = |key: &'static str| section.find(key).map_or(0..0, |value| value.span());
     for (index, (key, [first, second])) in fitted().enumerate() {
-        if first == second && is_pair(key) {
+        if first == second && is_pair(section, key) {
             let what = format!("[inputs]: both channels of `{key}` are bit {first}");
             section.refuse_to_drive(
                 &place(key),
@@ -105,7 +107,8 @@ pub(super) fn check_channels(section: &Reader<'_>, inputs: &[(&'static str, Opti
     for (key, input) in inputs {
         let Some(InputBits { bits: [first, second], inverted }) = input else { continue };
         let place = section.find(key).map_or(section.span().clone(), |value| value.span());
-        if *key == "emergency_stop_bits" && first == second && section.good_so_far() {
+        if *key == "emergency_stop_bits" && first == second && !is_pair(section, key) && section.good_so_far()
+        {
             section.refuse_to_drive(
                 &place,
                 format!("[inputs]: `{key}` has one channel, bit {first}: a single fault and the button is not heard"),

@@ -89,7 +89,7 @@ pub fn with_telemetry<T>(
         let flag = &ended;
         let run_telemetry = move || run_telemetry(sinks, shared, ((&mut rows, &notes), flag));
         let telemetry =
-            thread::Builder::new().name("onlooker".to_owned()).spawn_scoped(scope, run_telemetry)?;
+            thread::Builder::new().name("telemetry".to_owned()).spawn_scoped(scope, run_telemetry)?;
         let at_end = SetAtEnd(&ended);
         let answer = body(Some(tap), &TelemetrySender { shared, notes: Some(sender) });
         drop(at_end);
