@@ -230,9 +230,9 @@ impl Supervisor {
     /// but a closed way holds the robot it says that a person has looked there (FG-REQ-065).
     pub fn request_reset(&mut self, now: Stamp) -> Decision {
         self.begin(now);
-        let machine = &mut self.state.machine;
+        let machine = &self.state.machine;
         self.memory.reset_means_way = machine.latches() == 0 && machine.holds(Cause::WayClosed);
-        machine.request_reset(now);
+        self.state.machine.request_reset(now);
         self.decide(now)
     }
 
