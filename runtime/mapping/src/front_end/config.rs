@@ -17,7 +17,7 @@ pub struct FrontEndConfig {
     pub cell_m: f32,
     /// Half the side of a local map, metres.
     pub half_side_m: f32,
-    /// A new local map begins every so many metres travelled; each serves twice as long.
+    /// Distance from the start of one local map to the start of the next, metres; each serves twice as long.
     pub map_travel_m: f64,
     /// The same in scans.
     pub map_nodes: usize,

@@ -3,7 +3,7 @@
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{BeamReturn, Scan};
 
-/// Ends of every so many beams, in the scanner's frame.
+/// Ends of each `interval`-th beam, in the scanner's frame.
 pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {
     scan.beams.iter().enumerate().step_by(interval).filter_map(|(beam, hit)| match hit {
         BeamReturn::Hit(range_mm) => {

@@ -17,8 +17,8 @@ const CELLS: usize = LEVELS * LEVELS * LEVELS;
 const DISTANCE_WEIGHT: f32 = 2.0;
 /// Steps of the table of distances: sixteenths of a spread, up to 32 spreads.
 const STEPS: usize = 512;
-/// At least every so many pixels one gives its distance for the spread, and no more of them than about this: their median
-/// is within a fiftieth of all pixels' then.
+/// The spread is the median distance of each `SAMPLED`-th pixel, or of fewer, so that about `SAMPLES` of them count: within a
+/// fiftieth of the median of all pixels.
 const SAMPLED: usize = 5;
 const SAMPLES: usize = 4_096;
 
