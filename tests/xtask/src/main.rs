@@ -17,6 +17,7 @@ mod figures;
 mod firmware;
 mod image_size;
 mod machine;
+mod package;
 mod reproduce;
 mod setup;
 mod stack;
@@ -59,6 +60,8 @@ enum Command {
     CheckRecording(check_recording::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
     Targets(targets::Options),
+    /// Pack the robot's program for Debian, with unit, device rules and example.
+    Package(package::Options),
     /// Write the book's pages of measured figures from docs/evidence/figures; --check only compares.
     Figures(figures::Options),
     /// Repeat published experiments, beside the published figures.
@@ -93,6 +96,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
         Command::Targets(options) => targets::run(&options),
+        Command::Package(options) => package::run(&options),
         Command::Figures(options) => figures::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     }

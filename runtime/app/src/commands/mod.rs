@@ -10,6 +10,7 @@ mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
 mod demo;
+mod doctor;
 mod eval;
 #[cfg(feature = "laboratory")]
 mod eval_stages;
@@ -44,6 +45,7 @@ pub use campaign::{CampaignArguments, CampaignKind};
 pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
+pub use doctor::DoctorArguments;
 pub use eval::{EvalArguments, EvalStage};
 #[cfg(feature = "laboratory")]
 pub use eval_stages::RecordedStage;
@@ -87,6 +89,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),

@@ -1,6 +1,7 @@
 //! `floorguard run robot.toml`: the robot on real devices, until Ctrl-C.
 
 mod drive;
+mod service;
 mod watch;
 
 use std::io::{BufRead, IsTerminal};

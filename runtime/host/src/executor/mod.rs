@@ -14,7 +14,7 @@ mod task_set;
 
 pub use clock::{advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 pub use lateness::{Lateness, LatenessFigures};
-pub use priority::{Ring, take_priority};
+pub use priority::{Ring, grants_real_time, take_priority};
 pub use priority_lock::PriorityLock;
 pub use reactor::Source;
 pub use real_loop::{PollObserver, RingObserver, StopFlag, run_until, run_until_observed};

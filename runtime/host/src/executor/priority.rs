@@ -48,18 +48,24 @@ pub fn take_priority(ring: Ring) -> String {
         Ring::World => "simulated world",
         Ring::Telemetry => "recording and panel",
     };
-    let wanted = ring.priority();
-    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let outcome = wanted
-        .try_into()
-        .map(ThreadPriority::Crossplatform)
-        .map_err(|_| "priority out of range".to_owned())
-        .and_then(|priority| {
-            set_thread_priority_and_policy(thread_native_id(), priority, policy)
-                .map_err(|error| error.to_string())
-        });
-    match outcome {
-        Ok(()) => format!("{name}: real-time priority {wanted}"),
+    match ask(ring) {
+        Ok(()) => format!("{name}: real-time priority {}", ring.priority()),
         Err(reason) => format!("{name}: ordinary priority, the system refuses real time ({reason})"),
     }
+}
+
+/// Whether the guard ring would get its priority, tried on a thread that ends at once.
+///
+/// # Errors
+/// Why the system refuses it.
+pub fn grants_real_time() -> Result<(), String> {
+    let tried = std::thread::spawn(|| ask(Ring::Guard)).join();
+    tried.unwrap_or_else(|_| Err("the thread that tried ended early".to_owned()))
+}
+
+fn ask(ring: Ring) -> Result<(), String> {
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    let priority = ring.priority().try_into().map(ThreadPriority::Crossplatform);
+    let priority = priority.map_err(|_| "priority out of range".to_owned())?;
+    set_thread_priority_and_policy(thread_native_id(), priority, policy).map_err(|error| error.to_string())
 }

@@ -13,6 +13,7 @@ use serde_json::json;
 
 use super::RunArguments;
 use super::drive::WatchedDrive;
+use super::service::Service;
 use crate::commands::live::status_of;
 use floorguard_host::console::Lines;
 use floorguard_host::executor::StopFlag;
@@ -95,6 +96,7 @@ impl<'a> Watch<'a> {
         notes: &TelemetrySender<'_>,
     ) {
         let ends_s = self.arguments.outputs.duration.unwrap_or(f64::INFINITY);
+        let mut service = Service::ready();
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
             thread::sleep(POLL_PERIOD);
             for line in typed.try_iter() {
@@ -124,6 +126,7 @@ impl<'a> Watch<'a> {
                 self.display.note(&format!("  {notice}"));
             }
             if let Some(status) = self.shared.status.get() {
+                service.decided(status.decision.stamp, Instant::now());
                 self.on_status(&status);
             }
         }
