@@ -28,6 +28,8 @@ pub mod cia402;
 pub mod cia406;
 pub mod discrete_inputs;
 pub mod flexisoft;
+pub mod hesai;
+pub mod lidar;
 pub mod microscan3;
 pub mod s300;
 pub mod three_wheel_base;

@@ -130,8 +130,14 @@ impl<P: Profile> DecoderOf<P> {
 
     /// The same decoder for stages that take lidars of at most `lasers_max` rings: packets of a larger one are refused.
     #[must_use]
-    pub fn with_lasers_max(self, lasers_max: u8) -> Self {
-        Self { lasers_max: lasers_max.min(truncating_u8(P::Rings::N)), ..self }
+    pub fn with_lasers_max(mut self, lasers_max: u8) -> Self {
+        self.set_lasers_max(lasers_max);
+        self
+    }
+
+    /// Packets of a larger lidar are refused from now on.
+    pub fn set_lasers_max(&mut self, lasers_max: u8) {
+        self.lasers_max = lasers_max.min(truncating_u8(P::Rings::N));
     }
 
     /// The model, once it is known.

@@ -6,6 +6,6 @@ mod physics;
 mod velocity_base;
 
 pub use brush_deck::{BrushDeck, BrushPass};
-pub use parameters::{BodyPrism, NodeIds, RobotParameters, ScannerDevice, SensorMount};
+pub use parameters::{BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount};
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

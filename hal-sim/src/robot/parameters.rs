@@ -45,6 +45,16 @@ pub struct BodyPrism {
     pub height_m: [f32; 2],
 }
 
+/// Which lidar it carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LidarDevice {
+    /// VLP-16: two firings of sixteen lasers each 110.592 µs.
+    #[default]
+    Vlp16,
+    /// PandarXT-16: a firing of sixteen lasers each 50 µs.
+    PandarXt16,
+}
+
 /// Which safety scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
@@ -84,8 +94,10 @@ pub struct RobotParameters {
     pub brake_mps2: f32,
     /// From the loss of power to the brake's grip, seconds.
     pub brake_delay_s: f32,
-    /// VLP-16.
+    /// Lidar.
     pub lidar: SensorMount,
+    /// Its model.
+    pub lidar_device: LidarDevice,
     /// Safety scanner.
     pub scanner: SensorMount,
     /// Its model.
@@ -134,6 +146,7 @@ impl Default for RobotParameters {
             brake_delay_s: 0.05,
             lidar: mount(0.50, 0.80),
             scanner: mount(0.90, 0.15),
+            lidar_device: LidarDevice::default(),
             scanner_device: ScannerDevice::default(),
             rear_scanner: None,
             imu: mount(0.30, 0.40),

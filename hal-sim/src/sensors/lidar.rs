@@ -15,6 +15,7 @@ const ELEVATIONS_DEG: [f32; 16] =
     [-15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0];
 const RANGE_MIN_M: f32 = 0.45;
 const RANGE_MAX_M: f32 = 100.0;
+const COUNTS_PER_M: f32 = 500.0;
 const NOISE_M: f32 = 0.008;
 /// Share of beams that get lost for no visible reason.
 const DROP_OUT: f32 = 0.001;
@@ -118,7 +119,7 @@ impl Lidar {
                     let laser_us = (LASER_NS * laser as u64) as f64 * 1.0e-3;
                     let beam = (bearing_rad(azimuth_cdeg + laser_us * self.rate_cdeg_per_us), *elevation);
                     let hit = view.cast(sensor, beam, &candidates, RANGE_MAX_M);
-                    *cell = hit.and_then(|hit| receive(hit, &mut self.random));
+                    *cell = hit.and_then(|hit| receive(hit, COUNTS_PER_M, &mut self.random));
                 }
             }
             for (laser, cell) in cells.iter().enumerate() {
@@ -132,8 +133,8 @@ impl Lidar {
     }
 }
 
-/// Noise, weak echoes and the 2 mm grid.
-fn receive(hit: Hit, random: &mut Pcg32) -> Option<(u16, u8)> {
+/// Noise, weak echoes and the grid of the counts.
+pub(super) fn receive(hit: Hit, counts_per_m: f32, random: &mut Pcg32) -> Option<(u16, u8)> {
     let reach_m = RANGE_MAX_M * libm::sqrtf(f32::from(hit.reflectivity.min(40)) / 40.0);
     if hit.range_m < RANGE_MIN_M || hit.range_m > reach_m || random.bernoulli(DROP_OUT) {
         return None;
@@ -141,12 +142,12 @@ fn receive(hit: Hit, random: &mut Pcg32) -> Option<(u16, u8)> {
     // Twelve uniform numbers would be exact enough; four give the same spread at a third of the cost.
     let sum: f32 = (0..4).map(|_| random.uniform()).sum::<f32>() - 2.0;
     let range_m = hit.range_m + sum * NOISE_M * 1.732;
-    Some(((range_m * 500.0 + 0.5) as u16, hit.reflectivity))
+    Some(((range_m * counts_per_m + 0.5) as u16, hit.reflectivity))
 }
 
 /// What is left of an azimuth beyond whole turns, radians. Both numbers are multiples of the azimuth's last bit, so that the
 /// difference is exact: the remainder of a division would be the same and cost ten times as much.
-fn within_turn_rad(azimuth_cdeg: f64, turns_cdeg: f64) -> f32 {
+pub(super) fn within_turn_rad(azimuth_cdeg: f64, turns_cdeg: f64) -> f32 {
     let rest_cdeg = azimuth_cdeg - turns_cdeg;
     let rest_cdeg = if rest_cdeg < 36_000.0 { rest_cdeg } else { rest_cdeg - 36_000.0 };
     (rest_cdeg * 0.01).to_radians() as f32

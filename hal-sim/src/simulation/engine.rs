@@ -18,8 +18,8 @@ use crate::people::{Crowd, RobotShape};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
-use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, Lidar, Motion, Scanner, ScannerState, View};
-use crate::wire::{Payload, ReturnMode, Stream, WireEvent};
+use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, LidarSensor, Motion, Scanner, ScannerState, View};
+use crate::wire::{Payload, Stream, WireEvent};
 
 const STEP_US: u64 = 1_000;
 const PEOPLE_STEP_US: u64 = 10_000;
@@ -38,7 +38,7 @@ pub struct Simulation {
     pub(super) crowd: Crowd,
     pub(super) body: RobotBody,
     pub(super) bus: Bus,
-    lidar: Lidar,
+    lidar: LidarSensor,
     scanner: Scanner,
     rear_scanner: Option<Scanner>,
     imu: Imu,
@@ -83,7 +83,7 @@ impl Simulation {
             crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
-            lidar: Lidar::new(seed, ReturnMode::Strongest),
+            lidar: LidarSensor::of(parameters.lidar_device, seed),
             scanner: Scanner::of(parameters.scanner_device, seed),
             rear_scanner: parameters.rear_scanner.map(|_| Scanner::at_rear(seed)),
             imu: Imu::new(seed),
@@ -151,8 +151,9 @@ impl Simulation {
         }
         if self.next_position_us == at_us {
             self.next_position_us += POSITION_US;
-            let bytes = self.lidar.position_packet(at_us);
-            self.push(at_us + ETHERNET_US, Stream::LidarPosition, Payload::Bytes(bytes));
+            if let Some(bytes) = self.lidar.position_packet(at_us) {
+                self.push(at_us + ETHERNET_US, Stream::LidarPosition, Payload::Bytes(bytes));
+            }
         }
         if self.scanner.due_us() == at_us {
             let mount = self.parameters.scanner;
@@ -271,7 +272,7 @@ impl Simulation {
         }
     }
 
-    /// Measures only one firing of the lidar in `grain`: see [`Lidar::coarse`].
+    /// Measures only one firing of the lidar in `grain`: see [`LidarSensor::coarse`].
     pub const fn coarse_lidar(&mut self, grain: usize) {
         self.lidar.coarse(grain);
     }

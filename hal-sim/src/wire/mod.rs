@@ -1,7 +1,8 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, SICK S300; book, microScan3; book, Xsens MTi; book, Velocity link).
+//! book, Hesai; book, SICK S300; book, microScan3; book, Xsens MTi; book, Velocity link).
 
 mod event;
+mod hesai;
 mod microscan3;
 mod s300;
 mod velocity;
@@ -9,6 +10,7 @@ mod velodyne;
 mod xbus;
 
 pub use event::{Payload, Stream, WireEvent};
+pub use hesai::{FIRINGS, PandarPacket};
 pub use microscan3::{
     BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
     encode_scan_message, scan_datagrams,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use floorguard_configuration::{ScannerAddress, bake, load};
+use floorguard_runtime::configuration::LidarModel;
 
 fn main() -> anyhow::Result<()> {
     println!("cargo:rerun-if-changed=../../../robot.toml");
@@ -24,6 +25,10 @@ fn main() -> anyhow::Result<()> {
         "robot.toml: [scanner] {:?}: the boards have memory for the 541 beams of an S300 and no task for datagrams; \
          write model = \"s300\", or run this robot on Linux",
         robot.scanner.model
+    );
+    anyhow::ensure!(
+        robot.lidar.model != LidarModel::PandarXt16,
+        "robot.toml: [lidar] the boards decode Velodyne lidars only; write model = \"vlp16\", or run this robot on Linux"
     );
     // So that the board need not be able to say what is wrong.
     let refused = |error| anyhow::anyhow!("the guard refuses robot.toml: {error}");

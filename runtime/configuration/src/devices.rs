@@ -86,6 +86,7 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("puck-hi-res", LidarModel::PuckHiRes),
         ("vlp32c", LidarModel::Vlp32c),
         ("hdl32e", LidarModel::Hdl32e),
+        ("pandar-xt16", LidarModel::PandarXt16),
     ];
     let model = section.choice("model", &models);
     if let Some(LidarModel::Vlp32c | LidarModel::Hdl32e) = model {

@@ -1,8 +1,9 @@
 //! Sweeps for display: points out of the raw datagrams, apart from the robot's own tasks.
 
-use floorguard_drivers::velodyne::{Decoder, ModelChoice, SweepBuilder};
+use floorguard_drivers::lidar::{AnyDecoder, LidarDecoder};
+use floorguard_drivers::velodyne::SweepBuilder;
 use floorguard_perception::people::RingAngles;
-use floorguard_types::sensing::Sweep;
+use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::messages::PointRow;
@@ -12,7 +13,8 @@ const CUT_CDEG: u16 = 18_000;
 
 /// Collects datagrams into sweeps.
 pub struct LidarView {
-    decoder: Decoder,
+    decoder: AnyDecoder,
+    packet: LidarPacket,
     builder: SweepBuilder,
     building: Box<Sweep>,
     angles: RingAngles,
@@ -22,9 +24,10 @@ pub struct LidarView {
 
 impl LidarView {
     /// Gives every `every`-th sweep; 0: none.
-    pub fn new(choice: ModelChoice, angles: RingAngles, every: u32) -> Self {
+    pub fn new(decoder: AnyDecoder, angles: RingAngles, every: u32) -> Self {
         Self {
-            decoder: Decoder::new(choice),
+            decoder,
+            packet: LidarPacket::EMPTY,
             builder: SweepBuilder::new(CUT_CDEG),
             building: Box::new(Sweep::EMPTY),
             angles,
@@ -38,10 +41,10 @@ impl LidarView {
         if self.every == 0 {
             return None;
         }
-        let (packet, lost) = self.decoder.decode(datagram, arrival).ok()?;
-        let Self { builder, building, angles, every, sweeps, .. } = self;
+        let lost = self.decoder.decode_into(datagram, arrival, &mut self.packet).ok()?;
+        let Self { packet, builder, building, angles, every, sweeps, .. } = self;
         let mut found = None;
-        builder.add(&packet, lost, building, |sweep| {
+        builder.add(packet, lost, building, |sweep| {
             *sweeps = sweeps.wrapping_add(1);
             if *sweeps % *every == 0 {
                 found = Some((sweep.stamp, points(sweep, angles)));

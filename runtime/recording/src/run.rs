@@ -9,11 +9,9 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_drivers::velodyne::ModelChoice;
 use floorguard_drivers::xsens::{Device, DeviceEvent};
 use floorguard_guard::{Cause, GuardState, ResetReport};
-use floorguard_perception::people::RingAngles;
-use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_types::geometry::Pose2;
@@ -112,11 +110,6 @@ impl<W: Write + Seek> RunRecorder<W> {
         texts.insert("imu_baud".to_owned(), info.imu_baud.to_string());
         recorder.metadata(RUN_METADATA, texts)?;
         let robot = info.robot;
-        let angles = match robot.lidar.model {
-            LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-            _ => RingAngles::vlp16(),
-        };
-        let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
         let mut mountings = vec![
             ("lidar", robot.lidar.mounting.transform()),
             ("scanner", robot.scanner.mounting.transform()),
@@ -124,7 +117,7 @@ impl<W: Write + Seek> RunRecorder<W> {
         mountings.extend(robot.imu.map(|imu| ("imu", imu.mounting.transform())));
         Ok(Self {
             recorder,
-            lidar: LidarView::new(choice, angles, info.clouds_every),
+            lidar: LidarView::new(robot.lidar_decoder(), robot.ring_angles(), info.clouds_every),
             imu: Device::new(info.imu_baud),
             imu_samples: Vec::new(),
             fields: robot.fields.iter().map(describe::fields).collect(),

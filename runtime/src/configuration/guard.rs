@@ -121,11 +121,11 @@ impl RobotConfiguration {
         Tricycle { wheelbase_m: self.geometry.wheelbase_m, steering_max_rad: STEERING_MAX_RAD }
     }
 
-    /// The decoder's name for the lidar; `None`: tell from the packets.
+    /// The Velodyne decoder's name for the lidar; `None`: tell from the packets, or it is none of that family.
     #[must_use]
     pub const fn lidar_model(&self) -> Option<Model> {
         match self.lidar.model {
-            LidarModel::Auto => None,
+            LidarModel::Auto | LidarModel::PandarXt16 => None,
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),
@@ -133,7 +133,8 @@ impl RobotConfiguration {
         }
     }
 
-    /// As many as the capacity: packets of a larger lidar are refused.
+    /// As many as the capacity: packets of a larger lidar are refused. A PandarXT-16 has the elevations of a VLP-16 (book, Hesai:
+    /// Angles).
     fn elevations_rad(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();

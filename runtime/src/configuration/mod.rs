@@ -3,6 +3,7 @@
 
 mod fields;
 mod guard;
+mod lidar;
 mod robot;
 mod sources;
 

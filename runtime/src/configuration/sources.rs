@@ -41,6 +41,8 @@ pub enum LidarModel {
     Vlp32c,
     /// HDL-32E.
     Hdl32e,
+    /// Hesai PandarXT-16.
+    PandarXt16,
 }
 
 /// Three-dimensional lidar.

@@ -1,15 +1,16 @@
 //! Why a device is of no use, in the words of its driver: for commissioning. Nothing is decided by it.
 
+use floorguard_drivers::lidar::LidarError;
 use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
-use floorguard_drivers::velodyne::{ClosedSector, DecodeError};
+use floorguard_drivers::velodyne::ClosedSector;
 use floorguard_drivers::xsens::DeviceFault;
 
 /// The newest complaint about each device; it stays when the device has become good.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Complaints {
     /// A lidar datagram that gave no columns, or not those of all its blocks.
-    pub lidar: Option<DecodeError>,
+    pub lidar: Option<LidarError>,
     /// What the lidar leaves out because it is set to a field of view.
     pub lidar_closed: Option<ClosedSector>,
     /// A scanner's telegram that is right and of no use.

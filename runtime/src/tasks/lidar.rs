@@ -2,9 +2,10 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
-use floorguard_drivers::velodyne::{DecodeError, Decoder};
+use floorguard_drivers::lidar::LidarDecoder;
 use floorguard_guard::{FaultKind, Source};
 use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::profile::Native;
 
 use crate::clock;
 use crate::io::DatagramReceiver;
@@ -19,10 +20,10 @@ const RETRY_MS: u64 = 50;
 pub async fn lidar_input<M: RawMutex>(
     shared: &Shared<M>,
     mut socket: impl DatagramReceiver,
-    decoder: Decoder,
+    mut decoder: impl LidarDecoder<Native>,
 ) {
     // Angles of fields and of the people stages are those of a lidar of 16 rings.
-    let mut decoder = decoder.with_lasers_max(SWEEP_RINGS as u8);
+    decoder.limit_lasers(SWEEP_RINGS as u8);
     let mut buffer = [0; DATAGRAM_BYTES];
     let mut newest = QueuedPacket::EMPTY;
     loop {
@@ -43,14 +44,14 @@ pub async fn lidar_input<M: RawMutex>(
                 let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
                 if odd.is_some() || closed.is_some() {
                     shared.complain(|complaints| {
-                        complaints.lidar = odd.map(DecodeError::Packet).or(complaints.lidar);
+                        complaints.lidar = odd.or(complaints.lidar);
                         complaints.lidar_closed = closed;
                     });
                 }
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
             Err(error) => {
-                if error == DecodeError::Corrupted {
+                if error.is_corruption() {
                     shared.decide(|guard| guard.on_corruption(clock::now()));
                 }
                 shared.complain(|complaints| complaints.lidar = Some(error));

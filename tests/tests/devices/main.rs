@@ -4,6 +4,7 @@ mod can_recordings;
 mod lidar_senders;
 mod microscan3_scans;
 mod sim_can;
+mod sim_hesai;
 mod sim_imu;
 mod sim_microscan3;
 mod sim_s300;

@@ -47,6 +47,12 @@ impl RingAngles {
     pub fn vlp16() -> Self {
         Self::even(-15.0, 2.0)
     }
+
+    /// A PandarXT-16: the same elevations, and all lasers from one point (book, Hesai: Angles).
+    #[must_use]
+    pub fn pandar_xt16() -> Self {
+        Self { rings: Self::vlp16().rings.map(|(sin, cos, _)| (sin, cos, 0.0)) }
+    }
 }
 
 /// What the columns of a sweep have in common.

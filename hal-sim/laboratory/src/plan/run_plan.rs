@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use floorguard_runtime::configuration::{Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{
+    LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
-use floorguard_sim::robot::{RobotParameters, ScannerDevice, SensorMount};
+use floorguard_sim::robot::{LidarDevice, RobotParameters, ScannerDevice, SensorMount};
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 use floorguard_sim::simulation::Simulation;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
@@ -212,6 +214,17 @@ impl Plan {
         Ok(self)
     }
 
+    /// With a PandarXT-16 in the place of the VLP-16.
+    ///
+    /// # Errors
+    /// The example robot cannot carry it.
+    pub fn with_pandar_xt16(mut self) -> Result<Self, PlanError> {
+        let fitted = "[lidar]\nmodel = \"pandar-xt16\"\n";
+        self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", fitted);
+        self.robot.lidar = parse("robot.toml", &self.robot_toml)?.robot.lidar;
+        Ok(self)
+    }
+
     /// The simulator with this plan's robot in it.
     ///
     /// # Errors
@@ -231,7 +244,11 @@ impl Plan {
         };
         let rear_scanner = self.robot.rear_scanner.map(|scanner| mount(&scanner.mounting));
         let scanner = mount(&self.robot.scanner.mounting);
-        RobotParameters { scanner, scanner_device, rear_scanner, ..RobotParameters::default() }
+        let lidar_device = match self.robot.lidar.model {
+            LidarModel::PandarXt16 => LidarDevice::PandarXt16,
+            _ => LidarDevice::Vlp16,
+        };
+        RobotParameters { lidar_device, scanner, scanner_device, rear_scanner, ..RobotParameters::default() }
     }
 
     /// Where the odometry frame lies in the world.

@@ -10,7 +10,7 @@ use floorguard_configuration::{
     Coverage, Direction, HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, absences, load,
 };
 use floorguard_drivers::velodyne::Model;
-use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::configuration::{LidarModel, ScannerModel};
 
 use super::exit::{BadInput, VerdictFailed};
 
@@ -142,6 +142,7 @@ pub(super) fn say_absences(configuration: &HostedConfiguration) {
 
 fn lidar(configuration: &HostedConfiguration) -> &'static str {
     match configuration.robot.has_lidar {
+        true if configuration.robot.lidar.model == LidarModel::PandarXt16 => "PandarXT-16",
         true => configuration.robot.lidar_model().map_or("as its packets say", Model::name),
         false => "none",
     }

@@ -76,6 +76,9 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "udp:ADDRESS:PORT", value_parser = command_address,
         conflicts_with_all = ["tape", "camera", "strategy", "until_clean"])]
     pub command: Option<CommandConfiguration>,
+    /// The robot's lidar.
+    #[arg(long, value_enum, default_value_t = FittedLidar::Vlp16)]
+    pub lidar: FittedLidar,
     /// The robot's safety scanner.
     #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
     pub scanner: FittedScanner,
@@ -121,6 +124,16 @@ pub enum FittedScanner {
     S300,
     /// SICK microScan3: 2,751 beams, UDP.
     Microscan3,
+}
+
+/// Which lidar the simulated robot carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FittedLidar {
+    /// Velodyne VLP-16.
+    #[default]
+    Vlp16,
+    /// Hesai PandarXT-16.
+    PandarXt16,
 }
 
 /// Which local planner drives.
@@ -194,6 +207,10 @@ fn repeat(arguments: &SimulateArguments) -> String {
     if let Some(value) = arguments.strategy.and_then(|strategy| strategy.to_possible_value()) {
         option("strategy", value.get_name());
     }
+    if let Some(value) = arguments.lidar.to_possible_value().filter(|_| arguments.lidar != FittedLidar::Vlp16)
+    {
+        option("lidar", value.get_name());
+    }
     if let Some(value) =
         arguments.scanner.to_possible_value().filter(|_| arguments.scanner != FittedScanner::S300)
     {
@@ -244,8 +261,15 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         let what = "--tape: the emulated board can hold the beams of an S300 only; leave --scanner out";
         return Err(WrongUsage(what.to_owned()).into());
     }
+    if arguments.tape.is_some() && arguments.lidar != FittedLidar::Vlp16 {
+        let what = "--tape: the emulated board decodes Velodyne lidars only; leave --lidar out";
+        return Err(WrongUsage(what.to_owned()).into());
+    }
     if let Some(robot) = &arguments.robot {
         plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
+    }
+    if arguments.lidar == FittedLidar::PandarXt16 {
+        plan = plan.with_pandar_xt16()?;
     }
     if arguments.scanner == FittedScanner::Microscan3 {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;

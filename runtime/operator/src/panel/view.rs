@@ -4,10 +4,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_drivers::velodyne::ModelChoice;
 use floorguard_guard::{CauseRecord, GuardState, Health};
-use floorguard_perception::people::RingAngles;
-use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
@@ -55,15 +53,10 @@ impl PanelView {
     /// For a robot; the title tells what runs.
     #[must_use]
     pub fn new(title: &str, robot: &RobotConfiguration) -> Self {
-        let angles = match robot.lidar.model {
-            LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-            _ => RingAngles::vlp16(),
-        };
-        let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
         Self {
             title: title.to_owned(),
             robot: robot.clone(),
-            lidar: LidarView::new(choice, angles, 2),
+            lidar: LidarView::new(robot.lidar_decoder(), robot.ring_angles(), 2),
             points: Vec::new(),
             stops: VecDeque::new(),
             last_place: None,

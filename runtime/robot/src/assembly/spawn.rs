@@ -3,7 +3,6 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
-use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::GuardConfigError;
@@ -11,9 +10,9 @@ use floorguard_localisation::odometry::PoseHistory;
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
-    ClusterLimits, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
+    ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
-use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
@@ -152,17 +151,13 @@ impl JudgeMotion for HostedMotion {
 /// The memory of the perception ring.
 #[must_use]
 pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedPerception> {
-    let angles = match robot.lidar.model {
-        LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-        _ => RingAngles::vlp16(),
-    };
     // The board keeps no reflectivities, so it does not know the appearance of people; and it has less
     // capacity.
     let (clusters, tracker) = match stages {
         Stages::All => (ClusterLimits::DEFAULT, TrackerParameters::DEFAULT),
         Stages::AsOnBoard => (ClusterLimits::AS_ON_BOARD, TrackerParameters::AS_ON_BOARD),
     };
-    let mut people = PeoplePipeline::with_tracker(angles, tracker);
+    let mut people = PeoplePipeline::with_tracker(robot.ring_angles(), tracker);
     people.cluster_limits = clusters;
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
@@ -190,9 +185,8 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     >,
 ) -> Vec<GuardTask> {
     let mut names = Vec::new();
-    let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
     if let Some(lidar) = carriers.lidar {
-        tasks.spawn(lidar_input(shared, lidar, Decoder::new(choice)));
+        tasks.spawn(lidar_input(shared, lidar, robot.lidar_decoder()));
         names.push(GuardTask::Lidar);
     }
     names.push(GuardTask::Scanner);

@@ -1,21 +1,14 @@
 //! Reports of devices on the bus and of what they send.
 
-use std::mem::Discriminant;
 use std::time::Duration;
 
 use floorguard_drivers::canopen::NodePhase;
-use floorguard_drivers::velodyne::DecodeError;
 use floorguard_runtime::shared::{BusReport, Complaints};
 
 use super::Watch;
 
 /// A device on the CAN bus that has not been heard of for so long is named.
 const SILENT_AFTER: Duration = Duration::from_secs(3);
-
-/// What is wrong, without the figures, which are others for each datagram.
-fn kind(error: &DecodeError) -> Discriminant<DecodeError> {
-    std::mem::discriminant(error)
-}
 
 /// A line for each device that has not been heard of.
 fn silent_devices(report: &BusReport) -> Vec<String> {
@@ -43,7 +36,8 @@ impl Watch<'_> {
     /// Says why a device is of no use, once for each reason.
     pub(super) fn on_complaints(&mut self, complaints: &Complaints) {
         let known = std::mem::replace(&mut self.complaints, *complaints);
-        let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
+        // Without the figures, which are others for each datagram.
+        let lidar = complaints.lidar.filter(|now| !known.lidar.is_some_and(|then| then.is_alike(now)));
         // Its edges wander by a block from turn to turn: once is enough.
         let closed = complaints.lidar_closed.filter(|_| known.lidar_closed.is_none());
         let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);

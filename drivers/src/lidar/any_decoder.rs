@@ -1,0 +1,70 @@
+//! The decoder of whichever lidar is configured, where memory for the largest of them does not matter.
+
+use floorguard_types::profile::{Native, Profile};
+use floorguard_types::sensing::LidarPacketOf;
+use floorguard_types::time::Stamp;
+
+use super::contract::LidarDecoder;
+use super::error::LidarError;
+use crate::hesai;
+use crate::velodyne::{self, ClosedSector};
+
+/// One of the makers' decoders.
+///
+/// ```
+/// use floorguard_drivers::lidar::{AnyDecoder, LidarDecoder};
+/// use floorguard_drivers::hesai::Decoder;
+/// use floorguard_types::sensing::LidarPacket;
+/// use floorguard_types::time::Stamp;
+///
+/// let mut decoder = AnyDecoder::Hesai(Decoder::new());
+/// let error = decoder.decode_into(&[0; 1_206], Stamp::ZERO, &mut LidarPacket::EMPTY).unwrap_err();
+/// assert_eq!(error.to_string(), "lidar packet starts with 00 00 00; expected EE FF 06");
+/// ```
+// One lives for the length of a run.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Debug)]
+pub enum AnyDecoderOf<P: Profile> {
+    /// VLP-16 and relatives.
+    Velodyne(velodyne::DecoderOf<P>),
+    /// PandarXT-16 and XT-32.
+    Hesai(hesai::DecoderOf<P>),
+}
+
+/// For the lidars of the target.
+pub type AnyDecoder = AnyDecoderOf<Native>;
+
+impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
+    fn limit_lasers(&mut self, lasers_max: u8) {
+        match self {
+            Self::Velodyne(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
+        }
+    }
+
+    fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        match self {
+            Self::Velodyne(decoder) => LidarDecoder::decode_into(decoder, payload, arrival, out),
+            Self::Hesai(decoder) => LidarDecoder::decode_into(decoder, payload, arrival, out),
+        }
+    }
+
+    fn odd_block(&self) -> Option<LidarError> {
+        match self {
+            Self::Velodyne(decoder) => LidarDecoder::odd_block(decoder),
+            Self::Hesai(decoder) => LidarDecoder::odd_block(decoder),
+        }
+    }
+
+    fn closed_sector(&self) -> Option<ClosedSector> {
+        match self {
+            Self::Velodyne(decoder) => LidarDecoder::closed_sector(decoder),
+            Self::Hesai(decoder) => LidarDecoder::closed_sector(decoder),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! What every decoder of a spinning lidar does.
+
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::LidarPacketOf;
+use floorguard_types::time::Stamp;
+
+use super::error::LidarError;
+use crate::hesai;
+use crate::velodyne::{self, ClosedSector};
+
+/// Datagrams in, columns out.
+pub trait LidarDecoder<P: Profile> {
+    /// Refuses lidars of more than so many lasers from now on.
+    fn limit_lasers(&mut self, lasers_max: u8);
+
+    /// Decodes one UDP payload that arrived at `arrival` into `out`; gives how many packets are missing right before it.
+    ///
+    /// # Errors
+    /// Why the datagram is of no use; it is counted, and what stands in `out` has no meaning.
+    fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError>;
+
+    /// Why a block of the newest packet was left out though the packet was taken.
+    fn odd_block(&self) -> Option<LidarError>;
+
+    /// The sector that the lidar leaves out because it is set to a field of view, once it has shown.
+    fn closed_sector(&self) -> Option<ClosedSector>;
+}
+
+impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
+    fn limit_lasers(&mut self, lasers_max: u8) {
+        self.set_lasers_max(lasers_max);
+    }
+
+    fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Velodyne)
+    }
+
+    fn odd_block(&self) -> Option<LidarError> {
+        self.odd_block().map(|error| LidarError::Velodyne(velodyne::DecodeError::Packet(error)))
+    }
+
+    fn closed_sector(&self) -> Option<ClosedSector> {
+        self.closed_sector()
+    }
+}
+
+impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
+    fn limit_lasers(&mut self, lasers_max: u8) {
+        self.set_lasers_max(lasers_max);
+    }
+
+    fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Hesai)
+    }
+
+    /// A packet with an odd block is refused whole.
+    fn odd_block(&self) -> Option<LidarError> {
+        None
+    }
+
+    /// Its columns carry their azimuths: what is between two of them stays unknown without a name.
+    fn closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
+}

@@ -1,0 +1,9 @@
+//! Any spinning lidar: one contract over the decoders of the makers.
+
+mod any_decoder;
+mod contract;
+mod error;
+
+pub use any_decoder::{AnyDecoder, AnyDecoderOf};
+pub use contract::LidarDecoder;
+pub use error::LidarError;

@@ -1,0 +1,59 @@
+//! Whichever lidar the robot carries.
+
+use super::{Lidar, PandarXt16, View};
+use crate::robot::LidarDevice;
+use crate::wire::ReturnMode;
+
+/// A lidar that sends datagrams. The VLP-16 sends position packets, too.
+#[derive(Clone, Debug)]
+pub enum LidarSensor {
+    /// VLP-16.
+    Vlp16(Lidar),
+    /// PandarXT-16.
+    PandarXt16(PandarXt16),
+}
+
+impl LidarSensor {
+    /// Switched on at time 0 at 600 rpm.
+    #[must_use]
+    pub fn of(device: LidarDevice, seed: u64) -> Self {
+        match device {
+            LidarDevice::Vlp16 => Self::Vlp16(Lidar::new(seed, ReturnMode::Strongest)),
+            LidarDevice::PandarXt16 => Self::PandarXt16(PandarXt16::new(seed)),
+        }
+    }
+
+    /// See [`Lidar::coarse`].
+    pub const fn coarse(&mut self, grain: usize) {
+        match self {
+            Self::Vlp16(lidar) => lidar.coarse(grain),
+            Self::PandarXt16(lidar) => lidar.coarse(grain),
+        }
+    }
+
+    /// When the packet now being measured is complete, microseconds of the world.
+    #[must_use]
+    pub fn due_us(&self) -> u64 {
+        match self {
+            Self::Vlp16(lidar) => lidar.due_us(),
+            Self::PandarXt16(lidar) => lidar.due_us(),
+        }
+    }
+
+    /// Measures the packet that ends now; the robot's last step was at `step_us`.
+    pub fn measure(&mut self, view: &View<'_>, step_us: u64) -> Vec<u8> {
+        match self {
+            Self::Vlp16(lidar) => lidar.measure(view, step_us),
+            Self::PandarXt16(lidar) => lidar.measure(view, step_us),
+        }
+    }
+
+    /// A position packet, of a lidar that sends them.
+    #[must_use]
+    pub fn position_packet(&self, now_us: u64) -> Option<Vec<u8>> {
+        match self {
+            Self::Vlp16(lidar) => Some(lidar.position_packet(now_us)),
+            Self::PandarXt16(_) => None,
+        }
+    }
+}
