@@ -21,6 +21,7 @@ mod heartbeat;
 mod interrupt;
 mod learn;
 mod live;
+mod manual;
 mod live_camera;
 #[cfg(feature = "laboratory")]
 mod mission;
@@ -50,10 +51,11 @@ pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use goto::GotoArguments;
+pub use manual::ManualArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
-pub use panel::open_panel;
+pub use panel::{PanelOpening, open_panel, records_beside};
 pub use report::ReportArguments;
 pub use run::RunArguments;
 #[cfg(feature = "laboratory")]
@@ -85,6 +87,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
+        Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -15,7 +15,7 @@ use floorguard_types::geometry::Pose2;
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
-use super::panel::open_panel;
+use super::panel::{PanelOpening, open_panel};
 use super::run_lesson::RunLesson;
 use super::values::{command_address, goal, panel_address, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
@@ -99,6 +99,9 @@ pub struct SimulateArguments {
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
+    /// Keep what the panel keeps over the runs, areas, alerts and days, in this file.
+    #[arg(long, value_name = "FILE.json", requires = "panel")]
+    pub panel_records: Option<PathBuf>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -161,7 +164,8 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_sinks(&mut sinks, &plan, (record, panel, real_io))?;
+    let panel_records = arguments.panel_records.clone();
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, real_io })?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
@@ -300,12 +304,26 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
     })
 }
 
+/// What is written and shown of a simulated run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SinkOutputs<'a> {
+    /// The recording.
+    pub record: Option<&'a Path>,
+    /// Where the panel listens.
+    pub panel: Option<SocketAddr>,
+    /// Where the panel keeps its areas, alerts and days.
+    pub panel_records: Option<PathBuf>,
+    /// The run is in real time over real lines.
+    pub real_io: bool,
+}
+
 /// A recording and a panel, where they are wanted.
 pub(super) fn open_sinks(
     sinks: &mut RunSinks,
     plan: &Plan,
-    (record, panel, real_io): (Option<&Path>, Option<SocketAddr>, bool),
+    outputs: SinkOutputs<'_>,
 ) -> anyhow::Result<()> {
+    let SinkOutputs { record, panel, panel_records, real_io } = outputs;
     match record {
         Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
         Some(path) => record_plan(sinks, plan, path)?,
@@ -313,7 +331,8 @@ pub(super) fn open_sinks(
     }
     end_at_ctrl_c(&sinks.ended, "the run ends here")?;
     if let Some(address) = panel {
-        sinks.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
+        let opening = PanelOpening { title: &plan.scenario.title, robot: &plan.robot, records: panel_records };
+        sinks.panel = Some(open_panel(address, opening)?);
     }
     Ok(())
 }
