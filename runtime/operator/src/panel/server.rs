@@ -40,13 +40,18 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
     }
 }
 
+/// Writes what has changed, on a thread of its own: a disk that is busy holds up no other browser.
+pub(super) async fn saved(hub: &Hub) -> anyhow::Result<()> {
+    let records = hub.records.clone();
+    tokio::task::spawn_blocking(move || records.save()).await?
+}
+
 /// Writes what has changed: at most the last seconds of a day are lost.
 async fn keep_records(hub: Hub) {
     let mut is_reported = false;
     loop {
         tokio::time::sleep(SAVE_EVERY).await;
-        let outcome = hub.records.save();
-        if let Some(error) = outcome.err().filter(|_| !is_reported) {
+        if let Some(error) = saved(&hub).await.err().filter(|_| !is_reported) {
             say!("  panel: its records are not saved ({error:#})");
             is_reported = true;
         }

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 
 use super::access::Role;
 use super::hub::{Hub, Order, standing_areas};
-use super::server::{refusal, refused, text};
+use super::server::{refusal, refused, saved, text};
 
 /// The body of a request from who may make it.
 fn body_of<T: DeserializeOwned>(
@@ -120,10 +120,11 @@ pub(super) async fn areas(State(hub): State<Hub>, headers: HeaderMap, body: Byte
     if let Err(error) = order.check() {
         return refusal(StatusCode::BAD_REQUEST, error.to_string());
     }
-    if let Err(error) = hub.records.lock().set_areas(areas) {
+    let taken = hub.records.lock().set_areas(areas);
+    if let Err(error) = taken {
         return refusal(StatusCode::BAD_REQUEST, error.to_string());
     }
-    if let Err(error) = hub.records.save() {
+    if let Err(error) = saved(&hub).await {
         return refusal(StatusCode::INTERNAL_SERVER_ERROR, format!("the areas are not saved: {error:#}"));
     }
     if hub.map.borrow().len() <= 2 {

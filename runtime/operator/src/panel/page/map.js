@@ -6,7 +6,9 @@ function readColours() {
 }
 dark.addEventListener("change", () => { readColours(); repaint(); draw(); });
 
+let pictures = 0;
 function repaint() {
+  pictures++;
   const rgb = name => { const hex = colours[name].length === 4 ? colours[name].replace(/[\da-f]/g, "$&$&") : colours[name]; return [1, 3, 5].map(i => parseInt(hex.slice(i, i + 2), 16)); };
   if (floor) {
     const table = {c: [...rgb("cleaned"), 110], a: [...rgb("assumed"), 80], d: [...rgb("todo"), 120], u: [...rgb("todo"), 120], ".": plan && plan.width ? undefined : [...rgb("off"), 255]};
@@ -86,14 +88,40 @@ function drawFloor(g, at) {
   g.stroke(); g.setLineDash([]);
 }
 
+// Grid and floor change seldom: they are kept as a picture of the window until the sight, the floor or the belief in its place changes.
+const ground = {key: "", picture: document.createElement("canvas")};
+function drawGround(g, [w, h, ratio]) {
+  const place = frame.mission ? frame.mission.odometry_in_map.map((value, i) => value.toFixed(i < 2 ? 2 : 3)) : [];
+  const key = [w, h, ratio, sight.scale, sight.x.toFixed(3), sight.y.toFixed(3), ...place, floor && floor.number, !!(floor && floor.pictures), !!(plan && plan.picture), shown.claimed, shown.dirt, dark.matches, pictures].join();
+  if (ground.key !== key) {
+    ground.key = key;
+    ground.picture.width = Math.round(w * ratio); ground.picture.height = Math.round(h * ratio);
+    const over = ground.picture.getContext("2d");
+    over.setTransform(ratio, 0, 0, ratio, 0, 0);
+    over.fillStyle = colours.floor; over.fillRect(0, 0, w, h);
+    drawLines(over, w, h);
+    drawFloor(over, onScreen);
+  }
+  g.drawImage(ground.picture, 0, 0, w, h);
+}
+
+function drawLines(g, w, h) {
+  const scale = sight.scale, step = scale < 4 ? 20 : scale < 12 ? 5 : 1;
+  const [left, right, low, high] = [sight.x - w / 2 / scale, sight.x + w / 2 / scale, sight.y - h / 2 / scale, sight.y + h / 2 / scale];
+  g.strokeStyle = colours.line; g.lineWidth = 1;
+  g.beginPath();
+  for (let x = Math.floor(left / step) * step; x < right; x += step) { const [a] = onScreen([x, 0]); g.moveTo(a, 0); g.lineTo(a, h); }
+  for (let y = Math.floor(low / step) * step; y < high; y += step) { const [, b] = onScreen([0, y]); g.moveTo(0, b); g.lineTo(w, b); }
+  g.stroke();
+}
+
 function draw() {
   const canvas = $("map"), ratio = devicePixelRatio || 1;
   const [w, h] = [canvas.clientWidth, canvas.clientHeight];
   if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) { canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio); }
   const g = canvas.getContext("2d");
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
-  g.fillStyle = colours.floor; g.fillRect(0, 0, w, h);
-  if (!frame) return;
+  if (!frame) { g.fillStyle = colours.floor; g.fillRect(0, 0, w, h); return; }
   const [px, py, heading] = frame.pose, c = Math.cos(heading), s = Math.sin(heading);
   if (sight.follows) { sight.x = px; sight.y = py; }
   const scale = sight.scale, at = onScreen;
@@ -103,13 +131,8 @@ function draw() {
     points.forEach((p, i) => { const [x, y] = map(p); i ? g.lineTo(x, y) : g.moveTo(x, y); });
     if (close) g.closePath();
   };
-  const step = scale < 4 ? 20 : scale < 12 ? 5 : 1;
-  g.strokeStyle = colours.line; g.lineWidth = 1;
-  const [left, right, low, high] = [sight.x - w / 2 / scale, sight.x + w / 2 / scale, sight.y - h / 2 / scale, sight.y + h / 2 / scale];
-  for (let x = Math.floor(left / step) * step; x < right; x += step) { trace([[x, low], [x, high]], at); g.stroke(); }
-  for (let y = Math.floor(low / step) * step; y < high; y += step) { trace([[left, y], [right, y]], at); g.stroke(); }
   g.lineJoin = g.lineCap = "round";
-  drawFloor(g, at);
+  drawGround(g, [w, h, ratio]);
   if (!(plan && plan.width)) { g.save(); g.translate(...at([0, 0])); g.scale(scale, -scale); g.fillStyle = colours.wall; g.fill(walls); g.restore(); }
   drawAreas(g, at);
   // Where the brush has been; without a mission that is all there is to say about the floor.
@@ -120,25 +143,42 @@ function draw() {
   g.fillStyle = "#f4d58d99"; trace(frame.warning, onRobot, true); g.fill();
   g.fillStyle = "#f1a9a099"; trace(frame.protective, onRobot, true); g.fill();
   g.fillStyle = "#7a8793";
-  for (const p of frame.lidar) { const [x, y] = onRobot(p); g.fillRect(x - 1, y - 1, 2, 2); }
+  dots(g, frame.lidar.map(onRobot), 1);
   g.fillStyle = colours.ink;
-  for (const p of frame.scan) { const [x, y] = onRobot(p); g.fillRect(x - 1.5, y - 1.5, 3, 3); }
-  for (const trail of trails.values()) { g.strokeStyle = colours.person + "80"; g.lineWidth = 3; trace(trail, at); g.stroke(); }
-  for (const person of frame.people) {
-    const [x, y] = at(person.at_m);
-    g.beginPath(); g.arc(x, y, Math.max((person.person ? 0.28 : 0.15) * scale, 3), 0, 7);
-    g.fillStyle = person.person ? colours.person : colours.other; g.fill();
-    if (person.person) {
-      const [vx, vy] = person.velocity_mps;
-      g.strokeStyle = colours.person; g.lineWidth = 2; trace([person.at_m, [person.at_m[0] + vx, person.at_m[1] + vy]], at); g.stroke();
-      g.fillStyle = colours.paper; g.font = "12px system-ui"; g.textAlign = "center"; g.fillText(person.id, x, y + 4);
-    }
-  }
+  dots(g, frame.scan.map(onRobot), 1.5);
+  drawPeople(g, at);
   g.fillStyle = colours.robot; trace(frame.footprint, onRobot, true); g.fill();
   g.strokeStyle = colours["robot-ink"]; g.lineWidth = 2; trace([[0, 0], [0.4, 0]], onRobot); g.stroke();
   if (frame.holder) drawHolder(g, onRobot, w);
   drawScale(g);
   drawPen(g, at);
+}
+
+// All at once: a hundred people cost no more than a few.
+function drawPeople(g, at) {
+  const scale = sight.scale, line = points => points.forEach((p, i) => { const [x, y] = at(p); i ? g.lineTo(x, y) : g.moveTo(x, y); });
+  g.strokeStyle = colours.person + "80"; g.lineWidth = 3; g.beginPath();
+  for (const trail of trails.values()) line(trail);
+  g.stroke();
+  for (const isPerson of [false, true]) {
+    const those = frame.people.filter(p => p.person === isPerson), radius = Math.max((isPerson ? 0.28 : 0.15) * scale, 3);
+    g.fillStyle = g.strokeStyle = isPerson ? colours.person : colours.other; g.lineWidth = 2;
+    g.beginPath();
+    for (const p of those) { const [x, y] = at(p.at_m); g.moveTo(x + radius, y); g.arc(x, y, radius, 0, 7); }
+    g.fill();
+    if (!isPerson) continue;
+    g.beginPath();
+    for (const p of those) line([p.at_m, [p.at_m[0] + p.velocity_mps[0], p.at_m[1] + p.velocity_mps[1]]]);
+    g.stroke();
+    g.fillStyle = colours.paper; g.font = "12px system-ui"; g.textAlign = "center";
+    if (radius > 5) for (const p of those) { const [x, y] = at(p.at_m); g.fillText(p.id, x, y + 4); }
+  }
+}
+
+function dots(g, points, half) {
+  g.beginPath();
+  for (const [x, y] of points) g.rect(x - half, y - half, 2 * half, 2 * half);
+  g.fill();
 }
 
 // The ring around what holds the robot, and the words at it.

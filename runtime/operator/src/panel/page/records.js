@@ -43,16 +43,17 @@ function showDays() {
   const week = rows.slice(0, 7), sum = name => week.reduce((all, row) => all + row[name], 0);
   const table = element("table", ""), head = element("tr", "");
   table.append(element("caption", t("Last seven days: {}", number(sum("cleaned"), 1) + " m², " + number(sum("hours"), 1) + " h, " + number(sum("stops")) + " " + t("stops"))));
-  for (const name of ["day", "m²", "m²/h", "h", "stops", "proof"]) { const cell = element("th", t(name)); cell.scope = "col"; head.append(cell); }
+  for (const name of ["day", "proof", "m²", "m²/h", "h", "stops"]) { const cell = element("th", t(name)); cell.scope = "col"; head.append(cell); }
   table.append(head);
   for (const row of rows) {
     const line = element("tr", "");
-    for (const text of [row.date, number(row.cleaned, 1), number(row.rate, 1), number(row.hours, 1), number(row.stops)]) line.append(element("td", text));
     const proof = element("td", ""), button = element("button", "PDF", "plain");
     button.setAttribute("aria-label", t("Proof of {} as PDF", row.date));
     button.onclick = () => download("/proof.pdf?day=" + row.date, "proof-" + row.date + ".pdf");
-    proof.append(button); line.append(proof); table.append(line);
-    if (row.cause) { const more = element("tr", ""), cell = element("td", t("held longest by: {}", t(row.cause[0]) + " (" + number(row.cause[1]) + " s)") + (row.place ? ", " + t("at {} m", row.place[0].replace(",", " / ")) : "")); cell.colSpan = 6; more.append(cell); table.append(more); }
+    proof.append(button); line.append(element("td", row.date), proof);
+    for (const text of [number(row.cleaned, 1), number(row.rate, 1), number(row.hours, 1), number(row.stops)]) line.append(element("td", text));
+    table.append(line);
+    if (row.cause) { const more = element("tr", ""), cell = element("td", t("held longest by: {}", t(row.cause[0]) + " (" + number(row.cause[1]) + " s)") + (row.place ? ", " + t("at {} m", row.place[0].replace(",", " / ")) : "")); cell.colSpan = 6; cell.className = "long"; more.append(cell); table.append(more); }
   }
   const key = language + JSON.stringify(rows.map(row => [row.date, Math.round(row.cleaned * 10), Math.round(row.hours * 20), row.stops, row.cause && row.cause[0]]));
   if ($("day-table").dataset.key === key) return;
