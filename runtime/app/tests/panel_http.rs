@@ -247,7 +247,8 @@ fn refusals(run: &Run) {
 /// The server refuses each role what it may not do, whatever the page shows.
 #[test]
 fn each_role_may_do_its_part_only() {
-    let (viewer, operator, technician) = ("viewer-viewer-viewer", "operator-operator", "technician-technician");
+    let (viewer, operator, technician) =
+        ("viewer-viewer-viewer", "operator-operator", "technician-technician");
     let tokens = [
         ("FLOORGUARD_PANEL_VIEWER_TOKEN", viewer),
         ("FLOORGUARD_PANEL_TOKEN", operator),
@@ -270,7 +271,9 @@ fn each_role_may_do_its_part_only() {
     }
     let (code, role) = run.ask(&format!("GET /role HTTP/1.1\r\nAuthorization: Bearer {operator}"), "");
     assert_eq!((code, role.as_str()), (200, "\"operator\""));
-    for damaged in ["", "{}", r#"{"areas":[{}]}"#, &areas.replace("hall", ""), &areas.replace("[1,1]", "[1,1e9]")] {
+    for damaged in
+        ["", "{}", r#"{"areas":[{}]}"#, &areas.replace("hall", ""), &areas.replace("[1,1]", "[1,1e9]")]
+    {
         assert_eq!(run.post("/areas", technician, damaged).0, 400, "{damaged}");
     }
     let _ = run.child.kill();
@@ -284,9 +287,8 @@ fn ordered_missions_repeat_to_the_bit() {
     let (file, kept) = (folder.path().join("run.mcap"), folder.path().join("panel.json"));
     let (file, kept) = (file.to_str().expect("a path"), kept.to_str().expect("a path"));
     let scenario = ["--scenario", "supermarket", "--strategy", "guarantee", "--duration", "9"];
-    let run_with = |more: &[&str]| {
-        start_with(&[], &[&scenario, &["--panel-records", kept][..], more].concat())
-    };
+    let run_with =
+        |more: &[&str]| start_with(&[], &[&scenario, &["--panel-records", kept][..], more].concat());
     let mut run = run_with(&["--record", file]);
     run.wait_for("a mission", |state| state["mission"]["phase"] == "cleaning");
     let areas = r#"{"areas":[{"name":"till","kind":"clean","corners_m":[[1,-1.5],[4,-1.5],[4,1.5],[1,1.5]]},

@@ -7,7 +7,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum as _};
 
 use super::exit::BadInput;
-use super::simulate::{SinkOutputs, conclude, open_sinks, pace, play, play_real};
+use super::simulate::{conclude, pace, play, play_real};
+use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{panel_address, simulated_seconds};
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::Plan;

@@ -21,8 +21,8 @@ mod heartbeat;
 mod interrupt;
 mod learn;
 mod live;
-mod manual;
 mod live_camera;
+mod manual;
 #[cfg(feature = "laboratory")]
 mod mission;
 mod panel;
@@ -33,6 +33,8 @@ mod run_begin;
 mod run_lesson;
 #[cfg(feature = "laboratory")]
 mod simulate;
+#[cfg(feature = "laboratory")]
+mod sinks;
 #[cfg(feature = "laboratory")]
 mod train;
 mod values;
@@ -51,8 +53,8 @@ pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use goto::GotoArguments;
-pub use manual::ManualArguments;
 pub use learn::{LearnArguments, PlaceArguments};
+pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
 pub use panel::{PanelOpening, open_panel, records_beside};

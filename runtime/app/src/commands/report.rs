@@ -13,7 +13,9 @@ use floorguard_configuration::{RecordedConfiguration, parse_recorded};
 use floorguard_host::packing::unpacked;
 use floorguard_host::words::counted;
 use floorguard_mapping::environment::WallTime;
-use floorguard_operator::report::{Circumstances, History, cells, cells_csv, document, pdf, proof, read_history};
+use floorguard_operator::report::{
+    Circumstances, History, cells, cells_csv, document, pdf, proof, read_history,
+};
 use floorguard_operator::telemetry::RECORDED_AT;
 use floorguard_recording::Recording;
 use floorguard_robot::environment::Calendar;

@@ -133,9 +133,7 @@ pub(super) fn run_to(
     watch.drive = navigation.clone().map(WatchedDrive::new);
     links.navigation.clone_from(&navigation);
     watch.mission.clone_from(&mission);
-    if let Some(mission) = &mission {
-        sinks.set_mission(mission);
-    }
+    mission.iter().for_each(|mission| sinks.set_mission(mission));
     links.mission = mission;
     links.learning = learning;
     links.latches = Some(latches_of(&arguments.file));

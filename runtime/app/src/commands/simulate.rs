@@ -13,17 +13,15 @@ use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
-use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
-use super::panel::{PanelOpening, open_panel};
 use super::run_lesson::RunLesson;
+use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, goal, panel_address, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
-    Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, record_plan,
-    record_plan_in_real_time, run_real_recorded, run_recorded,
+    Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, run_real_recorded, run_recorded,
 };
 use floorguard_operator::display::LiveDisplay;
 use floorguard_operator::report::make_folder;
@@ -302,39 +300,6 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
         WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
             .into()
     })
-}
-
-/// What is written and shown of a simulated run.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SinkOutputs<'a> {
-    /// The recording.
-    pub record: Option<&'a Path>,
-    /// Where the panel listens.
-    pub panel: Option<SocketAddr>,
-    /// Where the panel keeps its areas, alerts and days.
-    pub panel_records: Option<PathBuf>,
-    /// The run is in real time over real lines.
-    pub real_io: bool,
-}
-
-/// A recording and a panel, where they are wanted.
-pub(super) fn open_sinks(
-    sinks: &mut RunSinks,
-    plan: &Plan,
-    outputs: SinkOutputs<'_>,
-) -> anyhow::Result<()> {
-    let SinkOutputs { record, panel, panel_records, real_io } = outputs;
-    match record {
-        Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
-        Some(path) => record_plan(sinks, plan, path)?,
-        None => {}
-    }
-    end_at_ctrl_c(&sinks.ended, "the run ends here")?;
-    if let Some(address) = panel {
-        let opening = PanelOpening { title: &plan.scenario.title, robot: &plan.robot, records: panel_records };
-        sinks.panel = Some(open_panel(address, opening)?);
-    }
-    Ok(())
 }
 
 /// Plays a plan with a live display.

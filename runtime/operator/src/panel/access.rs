@@ -162,7 +162,10 @@ mod tests {
         let access = Access::new(address("127.0.0.1:80"), Tokens::default()).unwrap();
         assert_eq!(access.token.len(), 2 * TOKEN_BYTES);
         assert_ne!(access, Access::new(address("127.0.0.1:80"), Tokens::default()).unwrap());
-        assert_eq!((access.role(""), access.role(&access.token)), (Some(Role::Viewer), Some(Role::Technician)));
+        assert_eq!(
+            (access.role(""), access.role(&access.token)),
+            (Some(Role::Viewer), Some(Role::Technician))
+        );
     }
 
     /// Each token opens what its role may do, and nothing more.

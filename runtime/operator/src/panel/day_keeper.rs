@@ -81,7 +81,8 @@ impl DayKeeper {
 
     /// A picture was made.
     pub fn look(&mut self, frame: &Frame) {
-        let (before_s, before_m) = self.last.replace((frame.time_s, frame.driven_m)).unwrap_or((frame.time_s, frame.driven_m));
+        let (before_s, before_m) =
+            self.last.replace((frame.time_s, frame.driven_m)).unwrap_or((frame.time_s, frame.driven_m));
         let lasted_s = frame.time_s - before_s;
         if (0.0..GAP_S).contains(&lasted_s) {
             self.since.on_s += lasted_s;
@@ -120,7 +121,8 @@ impl DayKeeper {
         let was_over = ["done", "cancelled"].contains(&self.phase);
         let is_over = ["done", "cancelled"].contains(&mission.phase);
         self.phase = mission.phase;
-        let is_another = self.mission.as_ref().is_none_or(|(_, known)| *known != name) || (was_over && !is_over);
+        let is_another =
+            self.mission.as_ref().is_none_or(|(_, known)| *known != name) || (was_over && !is_over);
         if is_another {
             self.mission = Some((now.to_owned(), name.clone()));
         }

@@ -3,11 +3,11 @@
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
-use super::hub::Order;
 use super::headline::Headline;
+use super::hub::Order;
 use super::layers::MissionFrame;
-use floorguard_robot::cleaner::QueueStatus;
 use crate::surroundings::Holder;
+use floorguard_robot::cleaner::QueueStatus;
 
 /// A place, metres, to the centimetre.
 pub type Place = [f32; 2];

@@ -25,7 +25,11 @@ impl Headline {
 
     /// In English: `Waiting for a person (behind, 1.4 m)`.
     pub fn words(&self, holder: Option<&Holder>) -> String {
-        let gap = if self.cause.is_empty() { holder.map(Holder::words).unwrap_or_default() } else { self.cause.clone() };
+        let gap = if self.cause.is_empty() {
+            holder.map(Holder::words).unwrap_or_default()
+        } else {
+            self.cause.clone()
+        };
         self.key.replace("{}", &gap)
     }
 }

@@ -5,8 +5,8 @@
 //! release a stop: reset is a request that the guard judges, as from a button on the machine.
 
 mod access;
-mod day_keeper;
 mod connections;
+mod day_keeper;
 mod frame;
 mod headline;
 mod held_history;
@@ -15,8 +15,6 @@ mod layers;
 mod page;
 #[cfg(test)]
 mod page_tests;
-#[cfg(test)]
-mod words_tests;
 mod pdf_of_day;
 mod plain;
 mod records;
@@ -24,6 +22,8 @@ mod server;
 mod server_orders;
 mod server_records;
 mod view;
+#[cfg(test)]
+mod words_tests;
 
 pub use access::{Access, AccessError, Role, Tokens};
 pub use held_history::{HeldEvent, HeldHistory, HeldKind};

@@ -19,9 +19,11 @@ pub fn pdf_of_day(date: &str, day: &Day, title: &str) -> Vec<u8> {
         hours,
         day.moving_s / 3_600.0,
         day.held_s / 3_600.0,
-        if hours > 0.0 { cleaned_m2 / hours } else { 0.0 }
+        if hours > 0.05 { cleaned_m2 / hours } else { 0.0 }
     );
-    for (name, text) in [("robot", title), ("software", software.as_str()), ("done", &done), ("hours", &times)] {
+    for (name, text) in
+        [("robot", title), ("software", software.as_str()), ("done", &done), ("hours", &times)]
+    {
         sheet.row(&[(0.0, name), (90.0, text)], false);
     }
     sheet.heading("Missions");
@@ -32,8 +34,8 @@ pub fn pdf_of_day(date: &str, day: &Day, title: &str) -> Vec<u8> {
     let seconds = |held: &BTreeMap<String, f64>| longest(held.iter().map(|(name, value)| (name, *value)));
     let stops = longest(day.stops.iter().map(|(name, count)| (name, f64::from(*count))));
     table(&mut sheet, ("Stops by cause", "times"), stops);
-    table(&mut sheet, ("What held it", "seconds"), seconds(&day.held_by_s));
-    table(&mut sheet, ("Where it was held, m in the map", "seconds"), seconds(&day.held_at_s));
+    table(&mut sheet, ("What held it", "s"), seconds(&day.held_by_s));
+    table(&mut sheet, ("Where it was held, m in the map", "s"), seconds(&day.held_at_s));
     sheet.signatures(&["operator", "customer", "date"]);
     sheet.finish()
 }

@@ -10,8 +10,8 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use serde::Deserialize;
 
-use super::connections::Bounded;
 use super::access::Role;
+use super::connections::Bounded;
 use super::hub::Hub;
 use super::page::page as page_text;
 use super::{server_orders, server_records};

@@ -76,7 +76,9 @@ impl MissionBody {
         let areas = match self {
             Self::Begin { areas } => areas,
             Self::Cancel { place } => return Ok(MissionOrder::Cancel { place }),
-            Self::Locate { x_m, y_m, heading_rad } => return Ok(MissionOrder::Locate { x_m, y_m, heading_rad }),
+            Self::Locate { x_m, y_m, heading_rad } => {
+                return Ok(MissionOrder::Locate { x_m, y_m, heading_rad });
+            }
         };
         let of_name = |name: &String| {
             kept.iter().find(|area| area.kind == AreaKind::Clean && area.name == *name).cloned()

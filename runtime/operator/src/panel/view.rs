@@ -224,7 +224,12 @@ impl PanelView {
 }
 
 fn cause_frame(record: &CauseRecord, start: Stamp) -> CauseFrame {
-    CauseFrame { at_s: seconds(record.raised_at, start), name: record.cause.to_string(), text: record.to_string(), remedy: remedy(record) }
+    CauseFrame {
+        at_s: seconds(record.raised_at, start),
+        name: record.cause.to_string(),
+        text: record.to_string(),
+        remedy: remedy(record),
+    }
 }
 
 /// The first, unless the second tells of the same cause.

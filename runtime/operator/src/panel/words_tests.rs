@@ -25,9 +25,9 @@ fn between<'a>(text: &'a str, open: &str, close: char) -> impl Iterator<Item = &
 
 /// What a script hands to the translation: calls of `t` and of nothing whose name ends so.
 fn spoken_by(script: &str) -> impl Iterator<Item = &str> {
-    let calls = script.match_indices("t(\"").filter(|(at, _)| {
-        !script[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '.')
-    });
+    let calls = script
+        .match_indices("t(\"")
+        .filter(|(at, _)| !script[..*at].ends_with(|before: char| before.is_alphanumeric() || before == '.'));
     calls.filter_map(|(at, call)| script[at + call.len()..].split('"').next())
 }
 
@@ -35,9 +35,8 @@ fn spoken_by(script: &str) -> impl Iterator<Item = &str> {
 fn sentences(source: &str) -> Vec<String> {
     let code = source.split("#[cfg(test)]").next().unwrap_or_default();
     let pieces = code.split('"').skip(1).step_by(2);
-    let joined = pieces.map(|piece| {
-        piece.split("\\\n").map(|line| line.trim_start().to_owned()).collect::<String>()
-    });
+    let joined =
+        pieces.map(|piece| piece.split("\\\n").map(|line| line.trim_start().to_owned()).collect::<String>());
     joined.filter(|text| text.ends_with('.') && text.contains(' ')).collect()
 }
 
@@ -56,7 +55,8 @@ fn each_row_has_five_languages_and_their_gaps() {
 fn robot_speaks_five_languages() {
     let table = table();
     let causes = Cause::all().into_iter().map(|cause| cause.to_string());
-    let health = [Health::Healthy, Health::Stale, Health::Frozen, Health::Blind, Health::Faulty, Health::Absent];
+    let health =
+        [Health::Healthy, Health::Stale, Health::Frozen, Health::Blind, Health::Faulty, Health::Absent];
     let phases = [
         MissionPhase::Starting,
         MissionPhase::Cleaning,
@@ -87,8 +87,15 @@ fn page_speaks_five_languages() {
         include_str!("page/main.js"),
     ];
     let spoken = scripts.iter().flat_map(|script| spoken_by(script));
-    let missing: Vec<&str> = labels.chain(marked).chain(spoken).filter(|words| !table.contains_key(*words)).collect();
+    let missing: Vec<&str> =
+        labels.chain(marked).chain(spoken).filter(|words| !table.contains_key(*words)).collect();
     assert!(missing.is_empty(), "{missing:#?}");
     let holders: Value = serde_json::json!(["a person", "an obstacle", "behind", "ahead on the right"]);
-    assert!(holders.as_array().into_iter().flatten().all(|words| table.contains_key(words.as_str().unwrap_or(""))));
+    assert!(
+        holders
+            .as_array()
+            .into_iter()
+            .flatten()
+            .all(|words| table.contains_key(words.as_str().unwrap_or("")))
+    );
 }

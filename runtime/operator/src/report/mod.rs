@@ -17,7 +17,7 @@ pub use document::document;
 pub use folder::make_folder;
 pub use history::{History, read_history};
 pub use pdf::pdf;
-pub use sheet::Sheet;
 pub use proof::{
     Cell, Circumstances, Cleaning, NotClaimed, Proof, ProofStop, cells, cells_csv, made_now, proof,
 };
+pub use sheet::Sheet;

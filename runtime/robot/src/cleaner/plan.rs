@@ -98,7 +98,16 @@ impl MissionPlan {
     pub fn on_map(begin: PlanBegin, dirt: Vec<ExpectedDirt>, map: &OccupancyMap) -> Self {
         let start = [begin.pose_in_map.x_m, begin.pose_in_map.y_m, begin.pose_in_map.heading_rad];
         let PlanBegin { strategy, seed, .. } = begin;
-        Self { strategy, start, seed, tolerated_units: 5, delta: 0.01, dirt, areas: Vec::new(), map: MapRuns::of(map) }
+        Self {
+            strategy,
+            start,
+            seed,
+            tolerated_units: 5,
+            delta: 0.01,
+            dirt,
+            areas: Vec::new(),
+            map: MapRuns::of(map),
+        }
     }
 
     /// Of a `[mission]` in a robot.toml that lies in `folder`.
