@@ -44,9 +44,9 @@ fn sentences(source: &str) -> Vec<String> {
 fn each_row_has_five_languages_and_their_gaps() {
     for (english, row) in table() {
         assert_eq!(row.len(), LANGUAGES, "{english}");
-        for said in &row {
-            assert!(!said.trim().is_empty(), "{english}");
-            assert_eq!(said.matches("{}").count(), english.matches("{}").count(), "{english}: {said}");
+        for words in &row {
+            assert!(!words.trim().is_empty(), "{english}");
+            assert_eq!(words.matches("{}").count(), english.matches("{}").count(), "{english}: {words}");
         }
     }
 }
@@ -65,11 +65,11 @@ fn robot_speaks_five_languages() {
         MissionPhase::Done,
         MissionPhase::Cancelled,
     ];
-    let said = causes
+    let words = causes
         .chain(health.map(|health| health.to_string()))
         .chain(phases.map(|phase| phase.name().to_owned()))
         .chain(sentences(include_str!("plain.rs")));
-    let missing: Vec<String> = said.filter(|words| !table.contains_key(words)).collect();
+    let missing: Vec<String> = words.filter(|words| !table.contains_key(words)).collect();
     assert!(missing.is_empty(), "{missing:#?}");
 }
 

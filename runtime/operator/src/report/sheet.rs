@@ -154,7 +154,7 @@ impl Sheet {
 
 use pdf_writer::Finish as _;
 
-/// In WinAnsi, which is Latin-1 with a few more letters where Latin-1 has none (ISO 32000-1, annex D.2).
+/// In WinAnsi, which is Latin-1 with a few more letters where Latin-1 has none (ISO 32000-1, annex D).
 fn encoded(text: &str) -> Vec<u8> {
     let byte = |letter: char| match letter {
         '€' => 0x80,

@@ -5,7 +5,7 @@ use super::sketch;
 
 /// Moves what is drawn in the group `now` of the map; without scripts the map shows the whole run.
 const SCRIPT: &str = r##"
-const slide = document.querySelector(".slide input"), said = document.querySelector(".slide output"), now = document.getElementById("now");
+const slide = document.querySelector(".slide input"), shown = document.querySelector(".slide output"), now = document.getElementById("now");
 function at(i) {
   const [t, x, y, turn, v, people] = MOMENTS[i];
   let svg = `<g transform="translate(${x} ${y}) rotate(${turn})"><path d="M-12 -9H8L18 0L8 9H-12z" fill="#0b5394" stroke="#fff" stroke-width="2"/></g>`;
@@ -13,8 +13,8 @@ function at(i) {
   now.innerHTML = svg;
   let held = "";
   for (const [from, cause] of STOPS) if (from <= t) held = cause;
-  said.textContent = t.toFixed(1) + " s, " + v.toFixed(2) + " m/s" + (Math.abs(v) < 0.02 && held ? ", last stop: " + held : "");
-  slide.setAttribute("aria-valuetext", said.textContent);
+  shown.textContent = t.toFixed(1) + " s, " + v.toFixed(2) + " m/s" + (Math.abs(v) < 0.02 && held ? ", last stop: " + held : "");
+  slide.setAttribute("aria-valuetext", shown.textContent);
 }
 slide.max = MOMENTS.length - 1;
 slide.oninput = () => at(+slide.value);

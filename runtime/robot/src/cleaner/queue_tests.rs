@@ -62,7 +62,7 @@ fn mission_waits_begins_and_is_cancelled() {
 }
 
 #[test]
-fn no_go_area_closes_floor_and_keeps_the_rest() {
+fn no_go_area_closes_its_floor_only() {
     let (setup, mut queue) = begun();
     step(&mut queue, 0);
     let before = floor_cells(&setup);

@@ -7,8 +7,8 @@ let numbers = new Map();
 
 // The words in the language of the page; what the table does not have stays English.
 function t(words, gap) {
-  const row = TABLE.get(words), said = row && row[LANGUAGES.indexOf(language)] || words;
-  return gap === undefined ? said : said.replace("{}", gap);
+  const row = TABLE.get(words), spoken = row && row[LANGUAGES.indexOf(language)] || words;
+  return gap === undefined ? spoken : spoken.replace("{}", gap);
 }
 
 // A number as people of this language write it.

@@ -18,7 +18,7 @@ pub struct Alert {
     pub text: String,
     /// What helps.
     pub remedy: String,
-    /// When a person said to have seen it, RFC 3339.
+    /// When a person acknowledged it, RFC 3339.
     pub acknowledged: Option<String>,
 }
 
