@@ -43,6 +43,8 @@ pub enum TapeLine {
     Start,
     /// Bytes of the second safety scanner.
     RearScanner,
+    /// An operator's order to the mission, as text.
+    MissionOrder,
 }
 
 impl TapeLine {
@@ -60,6 +62,7 @@ impl TapeLine {
             Self::Resume => 8,
             Self::Start => 9,
             Self::RearScanner => 10,
+            Self::MissionOrder => 11,
         }
     }
 
@@ -77,6 +80,7 @@ impl TapeLine {
             8 => Some(Self::Resume),
             9 => Some(Self::Start),
             10 => Some(Self::RearScanner),
+            11 => Some(Self::MissionOrder),
             _ => None,
         }
     }

@@ -19,15 +19,22 @@ struct Run {
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
-    command.env_remove("FLOORGUARD_PANEL_TOKEN");
+    for role in ["", "_VIEWER", "_TECHNICIAN"] {
+        command.env_remove(format!("FLOORGUARD_PANEL{role}_TOKEN"));
+    }
     command
 }
 
 fn start(more: &[&str]) -> Run {
-    let arguments = ["simulate", "--scenario", "empty", "--json", "--panel", "127.0.0.1:0"];
+    start_with(&[], &[&["--scenario", "empty"], more].concat())
+}
+
+fn start_with(tokens: &[(&str, &str)], more: &[&str]) -> Run {
+    let arguments = ["simulate", "--json", "--panel", "127.0.0.1:0"];
     let mut child = program()
         .args(arguments)
         .args(more)
+        .envs(tokens.iter().copied())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -68,6 +75,13 @@ impl Run {
             self.token
         );
         self.ask(&head, &format!("{{\"order\":\"{order}\"}}"))
+    }
+
+    fn post(&self, path: &str, token: &str, body: &str) -> (u16, String) {
+        let head = format!(
+            "POST {path} HTTP/1.1\r\nContent-Type: application/json\r\nAuthorization: Bearer {token}"
+        );
+        self.ask(&head, body)
     }
 
     fn wait_for(&self, what: &str, seen: impl Fn(&Value) -> bool) -> Value {
@@ -228,6 +242,80 @@ fn refusals(run: &Run) {
         assert_eq!(code, expected, "{head}: {answer}");
     }
     assert_eq!(run.state()["paused"], Value::from(false));
+}
+
+/// The server refuses each role what it may not do, whatever the page shows.
+#[test]
+fn each_role_may_do_its_part_only() {
+    let (viewer, operator, technician) =
+        ("viewer-viewer-viewer", "operator-operator", "technician-technician");
+    let tokens = [
+        ("FLOORGUARD_PANEL_VIEWER_TOKEN", viewer),
+        ("FLOORGUARD_PANEL_TOKEN", operator),
+        ("FLOORGUARD_PANEL_TECHNICIAN_TOKEN", technician),
+    ];
+    let mut run = start_with(&tokens, &["--scenario", "empty", "--duration", "6"]);
+    let areas = r#"{"areas":[{"name":"hall","kind":"no-go","corners_m":[[0,0],[1,0],[1,1]]}]}"#;
+    let requests = [
+        ("/order", r#"{"order":"pause"}"#, [401, 202, 202]),
+        ("/order", r#"{"order":"resume"}"#, [401, 202, 202]),
+        ("/mission", r#"{"do":"cancel","place":0}"#, [401, 409, 409]),
+        ("/acknowledge", r#"{"id":77}"#, [401, 409, 409]),
+        ("/areas", areas, [401, 403, 202]),
+    ];
+    for (path, body, expected) in requests {
+        for (token, code) in [viewer, operator, technician].into_iter().zip(expected) {
+            let (answered, why) = run.post(path, token, body);
+            assert_eq!(answered, code, "{path} by {token}: {why}");
+        }
+    }
+    let (code, role) = run.ask(&format!("GET /role HTTP/1.1\r\nAuthorization: Bearer {operator}"), "");
+    assert_eq!((code, role.as_str()), (200, "\"operator\""));
+    for damaged in
+        ["", "{}", r#"{"areas":[{}]}"#, &areas.replace("hall", ""), &areas.replace("[1,1]", "[1,1e9]")]
+    {
+        assert_eq!(run.post("/areas", technician, damaged).0, 400, "{damaged}");
+    }
+    let _ = run.child.kill();
+    let _ = run.child.wait();
+}
+
+/// Missions ordered at the panel begin, keep to the drawn areas and end there; a replay repeats them to the bit.
+#[test]
+fn ordered_missions_repeat_to_the_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, kept) = (folder.path().join("run.mcap"), folder.path().join("panel.json"));
+    let (file, kept) = (file.to_str().expect("a path"), kept.to_str().expect("a path"));
+    let scenario = ["--scenario", "supermarket", "--strategy", "guarantee", "--duration", "9"];
+    let run_with =
+        |more: &[&str]| start_with(&[], &[&scenario, &["--panel-records", kept][..], more].concat());
+    let mut run = run_with(&["--record", file]);
+    run.wait_for("a mission", |state| state["mission"]["phase"] == "cleaning");
+    let areas = r#"{"areas":[{"name":"till","kind":"clean","corners_m":[[1,-1.5],[4,-1.5],[4,1.5],[1,1.5]]},
+        {"name":"spill","kind":"no-go","corners_m":[[9,-1],[11,-1],[11,1],[9,1]]}]}"#;
+    let post = |run: &Run, path: &str, body: &str| run.post(path, &run.token.clone(), body).0;
+    assert_eq!(post(&run, "/areas", areas), 202);
+    assert_eq!(post(&run, "/mission", r#"{"do":"begin","areas":["nowhere"]}"#), 409);
+    assert_eq!(post(&run, "/mission", r#"{"do":"begin","areas":["till"]}"#), 202);
+    assert_eq!(post(&run, "/mission", r#"{"do":"cancel","place":0}"#), 202);
+    run.wait_for("the mission of the area", |state| state["queue"]["name"] == "till");
+    let mut verdict = String::new();
+    run.child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
+    let _ = run.child.wait();
+    let replay = program().args(["replay", file]).output().expect("the program starts");
+    let words = String::from_utf8_lossy(&replay.stderr).into_owned();
+    assert!(replay.status.success() && words.contains("as recorded"), "{words}");
+    // The next run finds the areas again.
+    let mut next = run_with(&[]);
+    next.wait_for("a picture", |state| state["records"].as_u64().is_some());
+    let (_, records) = next.ask("GET /records HTTP/1.1", "");
+    let records: Value = serde_json::from_str(&records).expect("records");
+    assert_eq!(records["areas"].as_array().map(Vec::len), Some(2), "{records}");
+    let day = records["days"].as_object().and_then(|days| days.keys().next_back().cloned()).expect("a day");
+    let (code, proof) = next.ask(&format!("GET /proof.pdf?day={day} HTTP/1.1"), "");
+    assert!(code == 200 && proof.starts_with("%PDF-"), "{code}");
+    let _ = next.child.kill();
+    let _ = next.child.wait();
 }
 
 #[test]

@@ -21,11 +21,13 @@ pub enum RawStream {
     Operator,
     /// The route, in the form of the tape.
     Route,
+    /// Orders to the mission, text.
+    MissionOrder,
 }
 
 impl RawStream {
     /// All streams.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Lidar,
         Self::Scanner,
         Self::RearScanner,
@@ -34,6 +36,7 @@ impl RawStream {
         Self::CanSent,
         Self::Operator,
         Self::Route,
+        Self::MissionOrder,
     ];
 
     /// The topic that holds it.
@@ -48,6 +51,7 @@ impl RawStream {
             Self::CanSent => "/raw/can_sent",
             Self::Operator => "/raw/operator",
             Self::Route => "/raw/route",
+            Self::MissionOrder => "/raw/mission_order",
         }
     }
 
@@ -68,6 +72,7 @@ impl RawStream {
             TapeLine::Can => Self::CanReceived,
             TapeLine::Reset | TapeLine::Start | TapeLine::Pause | TapeLine::Resume => Self::Operator,
             TapeLine::Route => Self::Route,
+            TapeLine::MissionOrder => Self::MissionOrder,
         }
     }
 }

@@ -18,6 +18,7 @@ mod firmware;
 mod image_size;
 mod machine;
 mod package;
+mod panel_check;
 mod reproduce;
 mod setup;
 mod stack;
@@ -58,6 +59,8 @@ enum Command {
     Bench(bench::Options),
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
+    /// Walk through the operator's panel in a headless browser: by keyboard, touch and mouse, in five languages, judged by axe.
+    PanelCheck(panel_check::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
     Targets(targets::Options),
     /// Pack the robot's program for Debian, with unit, device rules and example.
@@ -95,6 +98,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
+        Command::PanelCheck(options) => panel_check::run(&options),
         Command::Targets(options) => targets::run(&options),
         Command::Package(options) => package::run(&options),
         Command::Figures(options) => figures::run(&options),

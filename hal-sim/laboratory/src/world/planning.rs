@@ -20,7 +20,7 @@ pub(super) fn begin_mission(
 ) -> anyhow::Result<Option<Box<dyn Mission>>> {
     Ok(match (goal, cleaning) {
         (Some(goal), _) => Some(Box::new(goal.begin(robot)?)),
-        (None, Some(cleaning)) => Some(Box::new(cleaning.begin(robot)?)),
+        (None, Some(cleaning)) => Some(Box::new(cleaning.begin_queue(robot)?)),
         (None, None) => None,
     })
 }

@@ -71,6 +71,9 @@ pub fn run_real_recorded(
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
+    if let Some(setup) = &mission {
+        sinks.set_mission(setup);
+    }
     observer.begin(plan, &simulation);
     say!("  {}", take_priority(Ring::World));
     let ended = sinks.ended.clone();

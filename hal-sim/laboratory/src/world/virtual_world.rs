@@ -19,7 +19,7 @@ use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
 use floorguard_host::carriers::PipeReader;
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
-use floorguard_operator::panel::Order;
+use floorguard_operator::panel::PanelOrder;
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_robot::assembly::{GuardCarriers, new_perception, new_shared, spawn_guard_ring};
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
@@ -120,6 +120,9 @@ fn play(
         end_us: plan.duration_us,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
+    if let Some(setup) = &world.mission {
+        world.sinks.set_mission(setup);
+    }
     world.observer.begin(plan, world.simulation);
     let begin = (Stamp::from_micros(world.now_us), plan.odometry_in_world());
     world.sinks.true_world(begin, || true_state::things(plan, world.simulation));
@@ -255,14 +258,14 @@ impl World<'_, '_> {
     }
 
     /// The operator's hands, of the plan or at the panel; gives the buttons that were pressed.
-    fn operate(&mut self, shared: &Shared<NoopRawMutex>) -> Vec<Order> {
+    fn operate(&mut self, shared: &Shared<NoopRawMutex>) -> Vec<PanelOrder> {
         let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
         let action = self.operator.act(self.now_us, state);
         self.simulation.press_emergency_stop(action.pressed);
         self.observer.on_emergency_stop(action.pressed, self.now_us);
         let mut orders = self.sinks.attend(shared, self.now_us);
         let operated = self.sinks.panel.is_some();
-        orders.extend(action.orders(operated));
+        orders.extend(action.orders(operated).map(PanelOrder::from));
         orders
     }
 

@@ -49,7 +49,7 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
     #[command(
-        after_help = "Example:\n  floorguard report run.mcap --operator \"A. Smith\" --json run.json --cells run.csv"
+        after_help = "Example:\n  floorguard report run.mcap --operator \"A. Smith\" --pdf proof.pdf --json run.json --cells run.csv"
     )]
     Report(super::ReportArguments),
     /// Say why the robot stopped: what each sensor saw, which rule decided, what would have happened otherwise.
@@ -84,6 +84,9 @@ pub enum Command {
         after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson"
     )]
     Train(super::TrainArguments),
+    /// Write man pages and the completions of shells into a folder.
+    #[command(after_help = "Example:\n  floorguard manual --out manual && man manual/floorguard-run.1")]
+    Manual(super::ManualArguments),
     /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
     Map(MapArguments),
     /// Map a building in space: a lidar capture becomes a trajectory and a cloud of surfaces.

@@ -32,6 +32,7 @@ pub struct AskArguments {
 #[derive(Clone, Debug, Subcommand)]
 pub enum AskQuestion {
     /// When is the best time to clean a zone?
+    #[command(after_help = "Example:\n  floorguard ask best-time --zone aisle=0,0,12,3 --minutes 30")]
     BestTime {
         /// Name of the zone, or NAME=X0,Y0,X1,Y1 in metres.
         #[arg(long)]
@@ -47,12 +48,14 @@ pub enum AskQuestion {
         delay_cost: f32,
     },
     /// Which zone should be cleaned now?
+    #[command(after_help = "Example:\n  floorguard ask best-zone --minutes 30")]
     BestZone {
         /// How long there is time.
         #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=1_440))]
         minutes: u32,
     },
     /// Can a zone be cleaned wet now, or only dry?
+    #[command(after_help = "Example:\n  floorguard ask wet-or-dry --zone aisle=0,0,12,3")]
     WetOrDry {
         /// Name of the zone, or NAME=X0,Y0,X1,Y1 in metres.
         #[arg(long)]
@@ -62,8 +65,10 @@ pub enum AskQuestion {
         threshold: f32,
     },
     /// Where is dirt to be expected?
+    #[command(after_help = "Example:\n  floorguard ask dirt")]
     Dirt,
     /// Where do people walk in these hours?
+    #[command(after_help = "Example:\n  floorguard ask people --from 8 --to 18 --days workdays")]
     People {
         /// From this full hour on.
         #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=23))]

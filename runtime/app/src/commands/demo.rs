@@ -7,7 +7,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum as _};
 
 use super::exit::BadInput;
-use super::simulate::{conclude, open_sinks, pace, play, play_real};
+use super::simulate::{conclude, pace, play, play_real};
+use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{panel_address, simulated_seconds};
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::Plan;
@@ -82,7 +83,8 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     make_folder(&arguments.report)?;
     let mut sinks = RunSinks::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_sinks(&mut sinks, &plan, (record, panel, arguments.real_io))?;
+    let real_io = arguments.real_io;
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records: None, real_io })?;
     let observation = if arguments.real_io {
         play_real((&plan, None), false, &mut sinks)?
     } else {

@@ -13,6 +13,9 @@ use floorguard_laboratory::evaluate;
 #[derive(Clone, Debug, Subcommand)]
 pub enum RecordedStage {
     /// Decision values of a libsvm model against what libsvm computed for the same rows.
+    #[command(
+        after_help = "Example:\n  floorguard eval svm --model people.model --range people.range --rows rows.csv.gz"
+    )]
     Svm {
         /// The model: C-SVC with a radial kernel, two classes.
         #[arg(long)]
@@ -25,6 +28,7 @@ pub enum RecordedStage {
         rows: PathBuf,
     },
     /// Which objects move, in a recording of a lidar that stands still, against a key of walking people.
+    #[command(after_help = "Example:\n  floorguard eval motion hall.pcap.gz --key hall.csv")]
     Motion {
         /// The capture: .pcap, .pcapng, either of them .gz; a lidar of 16 rings.
         recording: PathBuf,
@@ -33,6 +37,7 @@ pub enum RecordedStage {
         key: PathBuf,
     },
     /// Legs in labelled scans: each recording tested with a committee that learnt from the others.
+    #[command(after_help = "Example:\n  floorguard eval legs --scans scans.csv --out pictures")]
     Legs {
         /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
         #[arg(long)]
@@ -45,6 +50,7 @@ pub enum RecordedStage {
         out: Option<PathBuf>,
     },
     /// People claimed in a capture of a standing VLP-16 against a key of where people stood.
+    #[command(after_help = "Example:\n  floorguard eval clusters hall.pcap --key people.csv")]
     Clusters {
         /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
         file: PathBuf,
@@ -53,6 +59,7 @@ pub enum RecordedStage {
         key: PathBuf,
     },
     /// Objects taken for people in a capture of a standing VLP-16: in the first second, and after ten.
+    #[command(after_help = "Example:\n  floorguard eval people hall.pcap --key people.csv")]
     People {
         /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
         file: PathBuf,
@@ -61,6 +68,7 @@ pub enum RecordedStage {
         key: Option<PathBuf>,
     },
     /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
+    #[command(after_help = "Example:\n  floorguard eval tracks --truth truth.txt --result result.txt")]
     Tracks {
         /// What was there.
         #[arg(long)]
@@ -70,6 +78,7 @@ pub enum RecordedStage {
         result: PathBuf,
     },
     /// Dirt in a folder of frames with masks: the published detector and ours.
+    #[command(after_help = "Example:\n  floorguard eval dirt frames --out pictures")]
     Dirt {
         /// NAME.png or .jpg with NAME_mask.png; NAME_floor.png and NAME_laser.png if there are.
         folder: PathBuf,
@@ -78,6 +87,9 @@ pub enum RecordedStage {
         out: Option<PathBuf>,
     },
     /// The floor of a depth picture: plane, mask and objects.
+    #[command(
+        after_help = "Example:\n  floorguard eval floor --depth depth.png --intrinsics 525,525,319.5,239.5 --out pictures"
+    )]
     Floor {
         /// Depth in millimetres, one channel of 16 bits.
         #[arg(long)]
@@ -99,6 +111,9 @@ pub enum RecordedStage {
         out: Option<PathBuf>,
     },
     /// People in depth pictures: upper bodies by their silhouette, legs near the camera.
+    #[command(
+        after_help = "Example:\n  floorguard eval rgbd-people --depth depth.png --intrinsics 525,525,319.5,239.5 --out pictures"
+    )]
     RgbdPeople {
         /// Depth in millimetres, one channel of 16 bits; once or more often.
         #[arg(long, required = true, num_args = 1..)]

@@ -23,6 +23,7 @@ mod interrupt;
 mod learn;
 mod live;
 mod live_camera;
+mod manual;
 #[cfg(feature = "laboratory")]
 mod mission;
 mod panel;
@@ -33,6 +34,8 @@ mod run_begin;
 mod run_lesson;
 #[cfg(feature = "laboratory")]
 mod simulate;
+#[cfg(feature = "laboratory")]
+mod sinks;
 #[cfg(feature = "laboratory")]
 mod train;
 mod values;
@@ -53,9 +56,10 @@ pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use goto::GotoArguments;
 pub use learn::{LearnArguments, PlaceArguments};
+pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
-pub use panel::open_panel;
+pub use panel::{PanelOpening, open_panel, records_beside};
 pub use report::ReportArguments;
 pub use run::RunArguments;
 #[cfg(feature = "laboratory")]
@@ -87,6 +91,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
+        Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),

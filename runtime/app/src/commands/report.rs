@@ -13,7 +13,9 @@ use floorguard_configuration::{RecordedConfiguration, parse_recorded};
 use floorguard_host::packing::unpacked;
 use floorguard_host::words::counted;
 use floorguard_mapping::environment::WallTime;
-use floorguard_operator::report::{Circumstances, History, cells, cells_csv, document, proof, read_history};
+use floorguard_operator::report::{
+    Circumstances, History, cells, cells_csv, document, pdf, proof, read_history,
+};
 use floorguard_operator::telemetry::RECORDED_AT;
 use floorguard_recording::Recording;
 use floorguard_robot::environment::Calendar;
@@ -35,6 +37,9 @@ pub struct ReportArguments {
     /// Also write the report for other programs; its schema: `docs/report.schema.json`.
     #[arg(long, value_name = "FILE.json")]
     pub json: Option<PathBuf>,
+    /// Also write the proof as a PDF file for a customer: what was cleaned, claimed with which confidence, what not and why.
+    #[arg(long, value_name = "FILE.pdf")]
+    pub pdf: Option<PathBuf>,
     /// Also write each cell of a mission's floor: place, what is claimed, dirt before and after.
     #[arg(long, value_name = "FILE.csv")]
     pub cells: Option<PathBuf>,
@@ -65,12 +70,16 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
         robot: arguments.robot.clone(),
         operator: arguments.operator.clone(),
     };
-    write(&out, &document(&history, &circumstances))?;
+    write(&out, document(&history, &circumstances).as_bytes())?;
+    let proof = proof(&history, &circumstances);
     if let Some(path) = &arguments.json {
-        write(path, &serde_json::to_string_pretty(&proof(&history, &circumstances))?)?;
+        write(path, serde_json::to_string_pretty(&proof)?.as_bytes())?;
+    }
+    if let Some(path) = &arguments.pdf {
+        write(path, &pdf(&proof, &history))?;
     }
     if let Some(path) = &arguments.cells {
-        write(path, &cells_csv(&cells(&history)))?;
+        write(path, cells_csv(&cells(&history)).as_bytes())?;
     }
     let stops = counted(history.stops.len() as u64, "stop");
     say!("report: {} ({stops}, {:.0} s)", out.display(), history.duration_s);
@@ -80,8 +89,8 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     }
 }
 
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text)
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(path, bytes)
         .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())).into())
 }
 

@@ -21,7 +21,7 @@ use super::exit::BadInput;
 use super::goto::navigation_of;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
-use super::panel::open_panel;
+use super::panel::{PanelOpening, open_panel, records_beside};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
@@ -134,6 +134,7 @@ pub(super) fn run_to(
     watch.drive = navigation.clone().map(WatchedDrive::new);
     links.navigation.clone_from(&navigation);
     watch.mission.clone_from(&mission);
+    mission.iter().for_each(|mission| sinks.set_mission(mission));
     links.mission = mission;
     links.learning = learning;
     links.latches = Some(latches_of(&arguments.file));
@@ -202,7 +203,8 @@ fn open_sinks(
         sinks.record_devices(&run, &name, path)?;
     }
     if let Some(address) = arguments.outputs.panel {
-        let mut panel = open_panel(address, &name, robot)?;
+        let records = Some(records_beside(&arguments.file));
+        let mut panel = open_panel(address, PanelOpening { title: &name, robot, records })?;
         panel.set_clock_start(clock::now());
         sinks.panel = Some(panel);
     }

@@ -13,17 +13,15 @@ use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
-use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
-use super::panel::open_panel;
 use super::run_lesson::RunLesson;
+use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, goal, panel_address, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
-    Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, record_plan,
-    record_plan_in_real_time, run_real_recorded, run_recorded,
+    Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, run_real_recorded, run_recorded,
 };
 use floorguard_operator::display::LiveDisplay;
 use floorguard_operator::report::make_folder;
@@ -102,6 +100,9 @@ pub struct SimulateArguments {
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
+    /// Keep what the panel keeps over the runs, areas, alerts and days, in this file.
+    #[arg(long, value_name = "FILE.json", requires = "panel")]
+    pub panel_records: Option<PathBuf>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -174,7 +175,8 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_sinks(&mut sinks, &plan, (record, panel, real_io))?;
+    let panel_records = arguments.panel_records.clone();
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, real_io })?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
@@ -322,24 +324,6 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
         WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
             .into()
     })
-}
-
-/// A recording and a panel, where they are wanted.
-pub(super) fn open_sinks(
-    sinks: &mut RunSinks,
-    plan: &Plan,
-    (record, panel, real_io): (Option<&Path>, Option<SocketAddr>, bool),
-) -> anyhow::Result<()> {
-    match record {
-        Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
-        Some(path) => record_plan(sinks, plan, path)?,
-        None => {}
-    }
-    end_at_ctrl_c(&sinks.ended, "the run ends here")?;
-    if let Some(address) = panel {
-        sinks.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
-    }
-    Ok(())
 }
 
 /// Plays a plan with a live display.

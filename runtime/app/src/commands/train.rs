@@ -30,11 +30,16 @@ pub struct TrainArguments {
 #[derive(Clone, Debug, Subcommand)]
 pub enum TrainWhat {
     /// The shape of people in lidar sweeps, from simulated rooms and the built-in scenarios.
+    #[command(after_help = "Example:\n  floorguard train people --out people.rs --scenes 40")]
     People(TrainPeopleArguments),
     /// What people look like in a new place, from tracks, without anybody's labels; the truth of the simulation judges.
+    #[command(
+        after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson"
+    )]
     Online(TrainOnlineArguments),
     /// The anchors that ship with the program, on which nothing that a robot learns may do worse: from simulated rooms of other
     /// seeds than the classifier's.
+    #[command(after_help = "Example:\n  floorguard train anchors --scenes 40 --out anchors.bin")]
     Anchors {
         /// Rooms.
         #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u64).range(4..=400))]
@@ -47,6 +52,7 @@ pub enum TrainWhat {
         out: PathBuf,
     },
     /// Legs in scans, from labelled recordings.
+    #[command(after_help = "Example:\n  floorguard train legs --scans scans.csv --out legs.rs")]
     Legs {
         /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
         #[arg(long)]

@@ -8,7 +8,7 @@ use std::process::Command;
 
 use crate::seen_support::{browser, progress, screenshot};
 use floorguard_laboratory::world::{Observer, Plan, run_recorded};
-use floorguard_operator::panel::{Access, Panel, PanelView};
+use floorguard_operator::panel::{Access, Panel, PanelView, Records, Tokens};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::{Recording, decode, topics};
 
@@ -84,8 +84,10 @@ fn proof_counts_cells(path: &std::path::Path) {
 #[test]
 fn panel_serves_changed_floors() {
     let plan = Plan::named("empty", 1, 1_000_000).expect("a plan");
-    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
-    let mut panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let access =
+        Access::new("127.0.0.1:0".parse().expect("an address"), Tokens::default()).expect("on the loopback");
+    let mut panel =
+        Panel::open(access, PanelView::new("a test", &plan.robot), Records::default()).expect("open");
     let address = panel.address();
     let ask = |path: &str| {
         let mut stream = TcpStream::connect(address).expect("it answers");
@@ -128,10 +130,11 @@ fn browser_shows_floor_on_screen_and_phone() {
         return;
     };
     let plan = Plan::named("empty", 1, 60_000_000).expect("a plan");
-    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
+    let access =
+        Access::new("127.0.0.1:0".parse().expect("an address"), Tokens::default()).expect("on the loopback");
     // With the token the page has buttons.
     let token = access.token.clone();
-    let panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let panel = Panel::open(access, PanelView::new("a test", &plan.robot), Records::default()).expect("open");
     let address = format!("http://{}/#{token}", panel.address());
     let run = std::thread::spawn(move || {
         let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};

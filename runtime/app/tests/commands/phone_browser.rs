@@ -54,9 +54,9 @@ fn no_page_is_wider_than_a_phone() {
             .concat(),
     );
     floorguard(&["report", &recording, "--out", &path("run.html")]);
-    let panel = include_str!("../../../operator/src/panel/page.html");
+    let panel = floorguard_operator::panel::page();
     let titled =
-        panel.replace(">floorguard</b>", ">a supermarket with customers in the aisles and more words</b>");
+        panel.replace(">floorguard</h1>", ">a supermarket with customers in the aisles and more words</h1>");
     let read = |name: &str| std::fs::read_to_string(path(name)).expect("a page");
     for (name, page) in
         [("report/index.html", read("report/index.html")), ("run.html", read("run.html")), ("panel", titled)]

@@ -26,8 +26,11 @@ fn report_page_lists_each_stop() {
     let verdict: Value = serde_json::from_slice(&output.stdout).expect("a verdict");
     let stops = verdict["stops"].as_u64().expect("a number");
     assert!(stops >= 2, "{verdict}");
-    let output = floorguard(&["report", text(&recording)]);
+    let proof = folder.path().join("run.pdf");
+    let output = floorguard(&["report", text(&recording), "--pdf", text(&proof)]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let file = std::fs::read(&proof).expect("a PDF file");
+    assert!(file.starts_with(b"%PDF-") && file.windows(22).any(|words| words == b"emergency stop pressed"));
     let html = std::fs::read_to_string(&page).expect("a page beside the recording");
     assert_eq!(html.matches("<div class=stop id=").count() as u64, stops);
     assert!(html.contains("emergency stop pressed") && html.contains("person would be reached"));
@@ -35,10 +38,19 @@ fn report_page_lists_each_stop() {
     let addresses: Vec<&str> =
         html.match_indices("://").map(|(at, _)| &html[at.saturating_sub(6)..at + 20]).collect();
     assert!(addresses.iter().all(|address| address.contains("://www.w3.org/2000")), "{addresses:?}");
-    assert!(!html.contains("<script") && !html.contains("<link") && html.len() < 1_000_000, "{}", html.len());
-    for part in
-        ["Map, path and stops", "Speed and limit", "Where people were", "Health of the sources", "Counters"]
-    {
+    assert!(
+        !html.contains("<script src") && !html.contains("<link") && html.len() < 1_000_000,
+        "{}",
+        html.len()
+    );
+    for part in [
+        "Map, path and stops",
+        "type=range",
+        "Speed and limit",
+        "Where people were",
+        "Health of the sources",
+        "Counters",
+    ] {
         assert!(html.contains(part), "{part}");
     }
     // Cut: everything before it is shown, and the page says so.

@@ -291,3 +291,25 @@ fn unaccepted_gap_is_refused_named_and_drawn() {
     assert_eq!(output.status.code(), Some(3), "{stderr_text}");
     assert!(stderr_text.contains(refusal) && stderr_text.contains("accept_unseen"), "{stderr_text}");
 }
+
+/// Each command that can be typed has an example in its help, a man page, and completions.
+#[test]
+fn each_command_has_example_and_man_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert!(run(&["manual", "--out", text(folder.path())]).status.success());
+    let program = <floorguard_app::commands::Arguments as clap::CommandFactory>::command();
+    let mut waiting: Vec<(String, clap::Command)> = vec![("floorguard".to_owned(), program)];
+    let mut seen = 0;
+    while let Some((name, command)) = waiting.pop() {
+        let page = folder.path().join(format!("{name}.1"));
+        assert!(page.is_file(), "{}", page.display());
+        let example = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        assert!(command.has_subcommands() || example.contains("floorguard "), "{name}: {example}");
+        seen += 1;
+        let inner = command.get_subcommands();
+        waiting.extend(inner.map(|sub| (format!("{name}-{}", sub.get_name()), sub.clone())));
+    }
+    assert!(seen > 25, "{seen}");
+    let completions = std::fs::read_to_string(folder.path().join("floorguard.bash")).expect("completions");
+    assert!(completions.contains("--panel-records"));
+}

@@ -3,9 +3,11 @@
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
+use super::headline::Headline;
 use super::hub::Order;
 use super::layers::MissionFrame;
 use crate::surroundings::Holder;
+use floorguard_robot::cleaner::QueueStatus;
 
 /// A place, metres, to the centimetre.
 pub type Place = [f32; 2];
@@ -51,6 +53,8 @@ pub struct SourceFrame {
 pub struct CauseFrame {
     /// Robot time, seconds.
     pub at_s: f64,
+    /// What happened, without numbers.
+    pub name: String,
     /// What happened, in words and numbers.
     pub text: String,
     /// What helps.
@@ -68,6 +72,8 @@ pub struct Frame {
     pub title: String,
     /// What the robot does or waits for, in a few words.
     pub headline: String,
+    /// The same as a sentence with a gap, for other languages.
+    pub headline_parts: Headline,
     /// The person or obstacle that holds or slows it, in the robot's frame.
     pub holder: Option<Holder>,
     /// The guard's state.
@@ -114,6 +120,10 @@ pub struct Frame {
     pub first_cause: Option<CauseFrame>,
     /// How far the cleaning mission is, if there is one.
     pub mission: Option<MissionFrame>,
+    /// Missions that wait, and what came of the last order to them.
+    pub queue: Option<QueueStatus>,
+    /// Number of the newest records: areas, alerts and days.
+    pub records: u64,
     /// The last stops, newest first.
     pub stops: Vec<CauseFrame>,
 }

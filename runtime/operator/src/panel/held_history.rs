@@ -38,6 +38,8 @@ pub struct HeldEvent {
     pub at: Stamp,
     /// What it tells of.
     pub kind: HeldKind,
+    /// The cause, or what the reset met; without numbers.
+    pub name: String,
     /// Which cause, or why; empty for a reset that was granted.
     pub text: String,
     /// What helps; empty if there is nothing to do.
@@ -80,6 +82,7 @@ impl HeldHistory {
             news.push(HeldEvent {
                 at: decision.stamp,
                 kind: HeldKind::Held,
+                name: record.cause.to_string(),
                 text: record.to_string(),
                 remedy: remedy(&record),
             });
@@ -93,12 +96,14 @@ impl HeldHistory {
         if resets.refused > before.refused {
             let refusal = resets.refusal;
             let text = refusal.map(|why| why.to_string()).unwrap_or_default();
-            Some(HeldEvent { at, kind: HeldKind::ResetRefused, text, remedy: refusal_remedy(resets, at) })
+            let (kind, remedy) = (HeldKind::ResetRefused, refusal_remedy(resets, at));
+            Some(HeldEvent { at, kind, name: kind.words().to_owned(), text, remedy })
         } else if resets.granted > before.granted {
             self.reported = 0;
             Some(HeldEvent {
                 at,
                 kind: HeldKind::ResetGranted,
+                name: HeldKind::ResetGranted.words().to_owned(),
                 text: String::new(),
                 remedy: "Look around, then press start.",
             })

@@ -14,9 +14,12 @@ use serde::Deserialize;
 use tokio::sync::watch;
 
 use super::access::Access;
+use super::day_keeper::{DayKeeper, Promise};
+use super::layers::map_frame;
+use super::records::{Records, SharedRecords};
 use super::server;
 use super::view::PanelView;
-use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::cleaner::{Area, AreaKind, MissionOrder, MissionProgress, MissionSetup};
 use floorguard_robot::navigator::NavigationProgress;
 
 /// Pictures come this often at most.
@@ -61,24 +64,45 @@ impl Order {
     }
 }
 
+/// What an operator has ordered.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PanelOrder {
+    /// A button.
+    Button(Order),
+    /// An order to the mission.
+    Mission(MissionOrder),
+}
+
+impl From<Order> for PanelOrder {
+    fn from(order: Order) -> Self {
+        Self::Button(order)
+    }
+}
+
 /// What the browsers' side knows.
 #[derive(Clone)]
 pub(super) struct Hub {
     pub access: Arc<Access>,
+    /// What runs.
+    pub title: Arc<str>,
     /// Number and text of the newest picture.
     pub newest: watch::Receiver<(u64, Arc<str>)>,
     /// Number and text of the newest floor of a mission.
     pub layers: watch::Receiver<(u64, Arc<str>)>,
     /// What the robot of the newest picture waits for.
     pub awaited: watch::Receiver<Option<Order>>,
-    orders: Arc<Mutex<SyncSender<Order>>>,
+    /// The map of the mission, if there is one.
+    pub map: watch::Receiver<Arc<str>>,
+    /// Areas, alerts, days.
+    pub records: SharedRecords,
+    orders: Arc<Mutex<SyncSender<PanelOrder>>>,
 }
 
 impl Hub {
     /// Queues an order. False when too many wait.
-    pub fn order(&self, order: Order) -> bool {
+    pub fn order(&self, order: impl Into<PanelOrder>) -> bool {
         let orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
-        !matches!(orders.try_send(order), Err(TrySendError::Full(_)))
+        !matches!(orders.try_send(order.into()), Err(TrySendError::Full(_)))
     }
 }
 
@@ -88,7 +112,10 @@ pub struct Panel {
     newest: watch::Sender<(u64, Arc<str>)>,
     layers: watch::Sender<(u64, Arc<str>)>,
     awaited: watch::Sender<Option<Order>>,
-    orders: Receiver<Order>,
+    map: watch::Sender<Arc<str>>,
+    records: SharedRecords,
+    days: DayKeeper,
+    orders: Receiver<PanelOrder>,
     drawn: Option<Instant>,
     address: SocketAddr,
     start: Stamp,
@@ -99,25 +126,42 @@ impl Panel {
     ///
     /// # Errors
     /// The address is taken, or the thread cannot start.
-    pub fn open(access: Access, view: PanelView) -> anyhow::Result<Self> {
+    pub fn open(access: Access, view: PanelView, records: Records) -> anyhow::Result<Self> {
         let listener = std::net::TcpListener::bind(access.address)
             .with_context(|| format!("--panel {}: this address cannot be opened", access.address))?;
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let (newest, newest_seen) = watch::channel((0, Arc::from("{}")));
         let (layers, layers_seen) = watch::channel((0, Arc::from("{}")));
+        let (map, map_seen) = watch::channel(Arc::from("{}"));
+        let records = SharedRecords::new(records);
         let (awaited, awaited_seen) = watch::channel(None);
         let (sender, orders) = sync_channel(ORDERS_MAX);
         let hub = Hub {
             access: Arc::new(access),
+            title: Arc::from(view.title()),
             newest: newest_seen,
             layers: layers_seen,
             awaited: awaited_seen,
+            map: map_seen,
+            records: records.clone(),
             orders: Arc::new(Mutex::new(sender)),
         };
         say!("  panel: http://{address}/#{}", hub.access.token);
         std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
-        Ok(Self { view, newest, layers, awaited, orders, drawn: None, address, start: Stamp::ZERO })
+        Ok(Self {
+            view,
+            newest,
+            layers,
+            awaited,
+            map,
+            days: DayKeeper::new(records.clone()),
+            records,
+            orders,
+            drawn: None,
+            address,
+            start: Stamp::ZERO,
+        })
     }
 
     /// Where it listens; with port 0 the system has chosen one.
@@ -131,6 +175,24 @@ impl Panel {
         self.start = start;
     }
 
+    /// What the robot cleans: its map is shown, and its missions can be ordered. The areas that are kept reach it first.
+    pub fn set_mission(&mut self, setup: &MissionSetup) {
+        let map = setup.plan.occupancy().ok().and_then(|map| serde_json::to_string(&map_frame(&map)).ok());
+        if let Some(map) = map {
+            self.map.send_replace(map.into());
+        }
+        let confidence_percent = 100.0 * (1.0 - setup.plan.delta);
+        self.days.promise = Promise { confidence_percent, tolerated_units: setup.plan.tolerated_units };
+        self.view.missions = Some(setup.orders.clone());
+    }
+
+    /// The areas that every mission keeps to; none if nothing was drawn.
+    #[must_use]
+    pub fn kept_areas(&self) -> Option<MissionOrder> {
+        let areas = standing_areas(&self.records.lock().kept().areas);
+        (!areas.is_empty()).then_some(MissionOrder::Areas { areas })
+    }
+
     /// A lidar datagram, for the points of the picture.
     pub fn lidar_datagram(&mut self, datagram: &[u8], arrival: Stamp) {
         self.view.lidar_datagram(datagram, arrival);
@@ -138,7 +200,8 @@ impl Panel {
 
     /// A stop that began.
     pub fn stop(&mut self, record: &StopRecord) {
-        self.view.stop(record, self.start);
+        let cause = self.view.stop(record, self.start);
+        self.days.alert(&cause);
     }
 
     /// The cleaning mission has reported its progress.
@@ -160,7 +223,9 @@ impl Panel {
             return;
         }
         self.drawn = Some(Instant::now());
-        let Some(frame) = self.view.frame(shared, self.start) else { return };
+        let Some(mut frame) = self.view.frame(shared, self.start) else { return };
+        self.days.look(&frame);
+        frame.records = self.records.lock().number();
         self.awaited.send_replace(frame.awaited());
         if let Ok(text) = serde_json::to_string(&frame) {
             self.newest.send_replace((frame.number, text.into()));
@@ -168,7 +233,12 @@ impl Panel {
     }
 
     /// The next order of an operator.
-    pub fn order(&mut self) -> Option<Order> {
+    pub fn order(&mut self) -> Option<PanelOrder> {
         self.orders.try_recv().ok()
     }
+}
+
+/// Areas that bind every mission: the others are cleaned when a mission names them.
+pub(super) fn standing_areas(areas: &[Area]) -> Vec<Area> {
+    areas.iter().filter(|area| area.kind != AreaKind::Clean).cloned().collect()
 }

@@ -1,12 +1,14 @@
 //! The floor of a cleaning mission for the browsers: what is claimed clean and where dirt is expected. It changes once a
 //! second at most and is fetched apart from the pictures.
 
+use floorguard_mapping::Occupancy;
 use floorguard_types::geometry::Pose2;
 use serde::Serialize;
 
 use super::frame::{Place, place, round};
 use floorguard_recording::mission::{area_m2, dirt_cells, remains};
 use floorguard_robot::cleaner::{CellState, MissionProgress};
+use floorguard_robot::site::ros_map::OccupancyMap;
 
 /// How far a mission is, in every picture.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,6 +37,38 @@ pub struct MissionFrame {
     pub odometry_in_map: [f32; 3],
     /// Number of the floor's newest state, see [`Layers`].
     pub layers: u64,
+}
+
+/// The map of the mission: walls and floor, once for a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MapFrame {
+    /// Pixels in a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Edge of a pixel, metres.
+    pub resolution_m: f32,
+    /// Lower left corner.
+    pub corner: Place,
+    /// Row by row from below: `f` free, `w` wall, `.` unknown; each behind its count.
+    pub pixels: String,
+}
+
+/// The map of a plan.
+pub fn map_frame(map: &OccupancyMap) -> MapFrame {
+    let geometry = map.geometry();
+    let letters = map.values().iter().map(|pixel| match pixel {
+        Occupancy::Free => 'f',
+        Occupancy::Occupied => 'w',
+        Occupancy::Unknown => '.',
+    });
+    MapFrame {
+        width: geometry.width(),
+        height: geometry.height(),
+        resolution_m: geometry.resolution_m(),
+        corner: place(geometry.origin_in_map()),
+        pixels: run_lengths(letters),
+    }
 }
 
 /// The floor.

@@ -6,19 +6,29 @@
 
 mod access;
 mod connections;
+mod day_keeper;
 mod frame;
 mod headline;
 mod held_history;
 mod hub;
 mod layers;
+mod page;
 #[cfg(test)]
 mod page_tests;
+mod pdf_of_day;
 mod plain;
+mod records;
 mod server;
+mod server_orders;
+mod server_records;
 mod view;
+#[cfg(test)]
+mod words_tests;
 
-pub use access::{Access, AccessError};
+pub use access::{Access, AccessError, Role, Tokens};
 pub use held_history::{HeldEvent, HeldHistory, HeldKind};
-pub use hub::{Order, Panel};
+pub use hub::{Order, Panel, PanelOrder};
+pub use page::page;
 pub use plain::remedy;
+pub use records::Records;
 pub use view::PanelView;

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Bytes;
 use axum::extract::rejection::QueryRejection;
 use axum::extract::{DefaultBodyLimit, Query, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -11,13 +10,18 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use serde::Deserialize;
 
+use super::access::Role;
 use super::connections::Bounded;
-use super::hub::{Hub, Order};
+use super::hub::Hub;
+use super::page::page as page_text;
+use super::{server_orders, server_records};
 
-/// The page: everything in one file, so that it works without a network.
-const PAGE: &str = include_str!("page.html");
-/// An order is a few words.
-const ORDER_BYTES_MAX: usize = 256;
+/// A button is a few words.
+const BUTTON_BYTES_MAX: usize = 256;
+/// An order may be the corners of all areas.
+const ORDER_BYTES_MAX: usize = 24_576;
+/// What has changed in the records reaches the disk this often.
+const SAVE_EVERY: Duration = Duration::from_secs(5);
 /// A browser that waits for a picture gets the old one after this long.
 const WAIT: Duration = Duration::from_secs(1);
 
@@ -27,6 +31,7 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
     let served = runtime.and_then(|runtime| {
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
+            tokio::spawn(keep_records(hub.clone()));
             axum::serve(Bounded::new(listener), router(hub)).await
         })
     });
@@ -35,27 +40,67 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
     }
 }
 
+/// Writes what has changed, on a thread of its own: a disk that is busy holds up no other browser.
+pub(super) async fn saved(hub: &Hub) -> anyhow::Result<()> {
+    let records = hub.records.clone();
+    tokio::task::spawn_blocking(move || records.save()).await?
+}
+
+/// Writes what has changed: at most the last seconds of a day are lost.
+async fn keep_records(hub: Hub) {
+    let mut is_reported = false;
+    loop {
+        tokio::time::sleep(SAVE_EVERY).await;
+        if let Some(error) = saved(&hub).await.err().filter(|_| !is_reported) {
+            say!("  panel: its records are not saved ({error:#})");
+            is_reported = true;
+        }
+    }
+}
+
 fn router(hub: Hub) -> Router {
     Router::new()
         .route("/", get(page))
         .route("/state", get(state))
         .route("/layers", get(layers))
-        .route("/order", post(order))
+        .route("/map", get(map))
+        .route("/role", get(role))
+        .route("/records", get(server_records::records))
+        .route("/proof.pdf", get(server_records::proof))
+        .route("/order", post(server_orders::order).layer(DefaultBodyLimit::max(BUTTON_BYTES_MAX)))
+        .route("/mission", post(server_orders::mission))
+        .route("/areas", post(server_orders::areas))
+        .route("/acknowledge", post(server_orders::acknowledge))
         .layer(DefaultBodyLimit::max(ORDER_BYTES_MAX))
         .with_state(hub)
 }
 
-fn refusal(code: StatusCode, why: &'static str) -> Response {
-    (code, [(header::CONTENT_TYPE, "text/plain; charset=utf-8")], why).into_response()
+pub(super) fn refusal(code: StatusCode, why: impl Into<String>) -> Response {
+    (code, [(header::CONTENT_TYPE, "text/plain; charset=utf-8")], why.into()).into_response()
 }
 
-fn text<'a>(headers: &'a HeaderMap, name: &header::HeaderName) -> &'a str {
+pub(super) fn text<'a>(headers: &'a HeaderMap, name: &header::HeaderName) -> &'a str {
     headers.get(name).and_then(|value| value.to_str().ok()).unwrap_or_default()
 }
 
-fn has_token(hub: &Hub, headers: &HeaderMap) -> bool {
+fn role_of(hub: &Hub, headers: &HeaderMap) -> Option<Role> {
     let shown = text(headers, &header::AUTHORIZATION).strip_prefix("Bearer ").unwrap_or_default();
-    hub.access.is_token(shown)
+    hub.access.role(shown)
+}
+
+/// Refuses who is not meant, or may not do this.
+pub(super) fn refused(hub: &Hub, headers: &HeaderMap, needed: Role) -> Option<Response> {
+    if let Some(refused) = stranger(hub, headers) {
+        return Some(refused);
+    }
+    match role_of(hub, headers) {
+        Some(role) if role >= needed => None,
+        Some(Role::Operator) => Some(refusal(StatusCode::FORBIDDEN, "only a technician may do this")),
+        Some(_) => {
+            Some(refusal(StatusCode::UNAUTHORIZED, "open the panel with the address that the console shows"))
+        }
+        None => Some(refusal(StatusCode::UNAUTHORIZED, "show the token")),
+    }
 }
 
 /// Refuses what was meant for another name, or comes from a page of somebody else.
@@ -80,7 +125,7 @@ async fn page(State(hub): State<Hub>, headers: HeaderMap) -> Response {
         return refused;
     }
     // The page itself says nothing about the robot; what it loads needs the token where there must be one.
-    let mut response = (StatusCode::OK, PAGE).into_response();
+    let mut response = (StatusCode::OK, page_text()).into_response();
     let policy = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; \
                   img-src data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
     let fixed = [
@@ -129,11 +174,8 @@ async fn snapshot(
     headers: &HeaderMap,
     (query, mut newest): (Result<Query<After>, QueryRejection>, Newest),
 ) -> Response {
-    if let Some(refused) = stranger(hub, headers) {
+    if let Some(refused) = refused(hub, headers, Role::Viewer) {
         return refused;
-    }
-    if !(hub.access.is_open_to_lookers() || has_token(hub, headers)) {
-        return refusal(StatusCode::UNAUTHORIZED, "show the token");
     }
     let Ok(Query(After { after })) = query else {
         return refusal(StatusCode::BAD_REQUEST, "after= is the number of a picture");
@@ -145,43 +187,26 @@ async fn snapshot(
         Ok(Err(_)) => return refusal(StatusCode::GONE, "the robot's program has ended"),
         Err(_) => held.borrow().1.clone(),
     };
+    json(text.to_string())
+}
+
+pub(super) fn json(text: String) -> Response {
     let json = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")];
-    (StatusCode::OK, json, text.to_string()).into_response()
+    (StatusCode::OK, json, text).into_response()
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OrderBody {
-    order: Order,
-}
-
-async fn order(State(hub): State<Hub>, headers: HeaderMap, body: Bytes) -> Response {
-    if let Some(refused) = stranger(&hub, &headers) {
+/// The map of the mission.
+async fn map(State(hub): State<Hub>, headers: HeaderMap) -> Response {
+    if let Some(refused) = refused(&hub, &headers, Role::Viewer) {
         return refused;
     }
-    if !has_token(&hub, &headers) {
-        return refusal(StatusCode::UNAUTHORIZED, "open the panel with the address that the console shows");
+    json(hub.map.borrow().to_string())
+}
+
+/// What who asks may do.
+async fn role(State(hub): State<Hub>, headers: HeaderMap) -> Response {
+    if let Some(refused) = refused(&hub, &headers, Role::Viewer) {
+        return refused;
     }
-    // A form of somebody else's page cannot send this type without asking first.
-    if text(&headers, &header::CONTENT_TYPE) != "application/json" {
-        return refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send application/json");
-    }
-    let Ok(OrderBody { order }) = serde_json::from_slice(&body) else {
-        return refusal(StatusCode::BAD_REQUEST, "orders are pause, resume, reset and start");
-    };
-    let awaited = *hub.awaited.borrow();
-    match order {
-        Order::Reset if awaited != Some(order) => {
-            return refusal(StatusCode::CONFLICT, "no stop waits for a reset");
-        }
-        Order::Start if awaited != Some(order) => {
-            return refusal(StatusCode::CONFLICT, "the robot does not wait for a start command");
-        }
-        _ => {}
-    }
-    if hub.order(order) {
-        refusal(StatusCode::ACCEPTED, "the robot has it")
-    } else {
-        refusal(StatusCode::TOO_MANY_REQUESTS, "too many orders wait; try again")
-    }
+    json(serde_json::to_string(&role_of(&hub, &headers)).unwrap_or_default())
 }

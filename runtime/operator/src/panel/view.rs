@@ -17,7 +17,7 @@ use super::layers::{Layers, MissionFrame, layers, mission_frame};
 use super::plain::remedy;
 use crate::surroundings::{Surroundings, followed, scan_hits};
 use floorguard_recording::{LidarView, describe};
-use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::cleaner::{MissionOrders, MissionProgress};
 use floorguard_robot::navigator::NavigationProgress;
 
 /// Stops that the page lists.
@@ -47,6 +47,8 @@ pub struct PanelView {
     history: HeldHistory,
     /// The last reset that was refused.
     refused: Option<HeldEvent>,
+    /// What the mission is ordered to do.
+    pub(super) missions: Option<MissionOrders>,
 }
 
 impl PanelView {
@@ -68,7 +70,13 @@ impl PanelView {
             layers: 0,
             history: HeldHistory::default(),
             refused: None,
+            missions: None,
         }
+    }
+
+    /// What runs.
+    pub fn title(&self) -> &str {
+        &self.title
     }
 
     /// A lidar datagram, where the panel can have them.
@@ -86,9 +94,11 @@ impl PanelView {
     }
 
     /// A stop that began.
-    pub fn stop(&mut self, record: &StopRecord, start: Stamp) {
+    pub fn stop(&mut self, record: &StopRecord, start: Stamp) -> CauseFrame {
         let at_s = seconds(record.stamp, start);
-        self.list_stop(CauseFrame { at_s, ..cause_frame(&record.cause, start) });
+        let cause = CauseFrame { at_s, ..cause_frame(&record.cause, start) };
+        self.list_stop(cause.clone());
+        cause
     }
 
     /// What holds a stopped robot has changed, or a reset was answered: that belongs to the history of the stop.
@@ -97,7 +107,7 @@ impl PanelView {
             let at_s = seconds(event.at, start);
             let then = if event.kind == HeldKind::Held { "then " } else { "" };
             let text = format!("{then}{}", event.line());
-            self.list_stop(CauseFrame { at_s, text, remedy: event.remedy });
+            self.list_stop(CauseFrame { at_s, name: event.name.clone(), text, remedy: event.remedy });
             if event.kind != HeldKind::Held {
                 self.refused = Some(event).filter(|event| event.kind == HeldKind::ResetRefused);
             }
@@ -123,8 +133,10 @@ impl PanelView {
         self.note_holding(&status, start);
         let around = self.around(shared, &status);
         let holder = decision.holding_cause.and_then(|record| around.holder(&record));
+        let headline_parts = headline(&status, holder.as_ref(), shared.is_paused());
         Some(Frame {
-            headline: headline(&status, holder.as_ref(), shared.is_paused()),
+            headline: headline_parts.words(holder.as_ref()),
+            headline_parts,
             holder,
             number: self.number,
             time_s: seconds(decision.stamp, start),
@@ -152,6 +164,8 @@ impl PanelView {
             first_cause: other_than(decision.primary_cause, decision.holding_cause)
                 .map(|record| cause_frame(&record, start)),
             mission: self.mission_frame(),
+            queue: self.missions.as_ref().map(MissionOrders::status),
+            records: 0,
             stops: self.stops.iter().cloned().collect(),
         })
     }
@@ -172,6 +186,11 @@ impl PanelView {
     /// The cleaning mission has reported its progress; gives the floor as it is now.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) -> Layers {
         self.layers += 1;
+        let was_over = self.mission.as_ref().is_some_and(|before| before.phase.is_over());
+        if was_over && !progress.phase.is_over() {
+            // Another mission: what it cleans counts from here on.
+            self.mission_begin = None;
+        }
         self.mission = Some(Arc::clone(progress));
         let first = self.mission_begin.get_or_insert_with(|| Arc::clone(progress));
         layers(progress, first, self.layers)
@@ -198,7 +217,12 @@ impl PanelView {
 }
 
 fn cause_frame(record: &CauseRecord, start: Stamp) -> CauseFrame {
-    CauseFrame { at_s: seconds(record.raised_at, start), text: record.to_string(), remedy: remedy(record) }
+    CauseFrame {
+        at_s: seconds(record.raised_at, start),
+        name: record.cause.to_string(),
+        text: record.to_string(),
+        remedy: remedy(record),
+    }
 }
 
 /// The first, unless the second tells of the same cause.

@@ -11,6 +11,7 @@ use super::history::{History, Stop};
 use super::mission;
 use super::proof::{self, Circumstances};
 use super::sketch;
+use super::slider;
 use super::style::{self, chart, count_tile, escaped, map, tiles};
 use floorguard_recording::topics;
 
@@ -22,7 +23,8 @@ pub fn document(history: &History, circumstances: &Circumstances) -> String {
     let mut html = style::head(&title);
     head(&mut html, history, name);
     html.push_str(&proof::section(&proof::proof(history, circumstances)));
-    section(&mut html, "Map, path and stops", &map(&sketch::overview(history)), OVERVIEW_LEGEND);
+    let picture = map(&sketch::overview(history)) + &slider::slider(history);
+    section(&mut html, "Map, path and stops", &picture, OVERVIEW_LEGEND);
     mission::section(&mut html, history);
     let speeds: Vec<_> =
         history.speeds.iter().map(|s| (s.at_s, s.speed_mps, s.limit_mps.unwrap_or(0.0))).collect();

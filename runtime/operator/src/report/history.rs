@@ -14,6 +14,8 @@ use floorguard_recording::{
 
 /// The path has a place every quarter of a second.
 const PATH_S: f64 = 0.25;
+/// The slider knows two moments a second.
+const SIGHTING_S: f64 = 0.5;
 /// The map takes two scans a second.
 const MAP_S: f64 = 0.5;
 /// Speeds are drawn five times a second.
@@ -65,6 +67,19 @@ pub struct Speed {
     pub limit_mps: Option<f32>,
 }
 
+/// Where the robot and the people were at a moment, for the slider over the run.
+#[derive(Clone, Debug)]
+pub struct Sighting {
+    /// Seconds since the beginning.
+    pub at_s: f64,
+    /// The robot.
+    pub pose: Pose2,
+    /// Measured speed, m/s.
+    pub speed_mps: f32,
+    /// People, each with its number.
+    pub people: Vec<(i32, Point2)>,
+}
+
 /// A scan where it was taken, for the map.
 #[derive(Clone, Debug)]
 pub struct MapScan {
@@ -91,6 +106,8 @@ pub struct History {
     pub path: Vec<Pose2>,
     /// Metres driven.
     pub driven_m: f64,
+    /// Twice a second.
+    pub sightings: Vec<Sighting>,
     /// Speed and limit.
     pub speeds: Vec<Speed>,
     /// Where each person was, by number.
@@ -210,6 +227,10 @@ impl Reader {
             let step_m = self.history.path.last().map_or(0.0, |last| place(last).distance(place(&self.pose)));
             self.history.driven_m += f64::from(step_m);
             self.history.path.push(self.pose);
+        }
+        if self.history.sightings.last().is_none_or(|last| at_s >= last.at_s + SIGHTING_S) {
+            let (pose, people, speed_mps) = (self.pose, self.people.clone(), odometry.twist.linear_mps);
+            self.history.sightings.push(Sighting { at_s, pose, speed_mps, people });
         }
         if at_s >= self.next_speed_s {
             self.next_speed_s = at_s + SPEED_S;

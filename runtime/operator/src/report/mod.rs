@@ -6,13 +6,18 @@ mod folder;
 mod grids;
 mod history;
 mod mission;
+mod pdf;
 mod proof;
+mod sheet;
 mod sketch;
+mod slider;
 pub mod style;
 
 pub use document::document;
 pub use folder::make_folder;
 pub use history::{History, read_history};
+pub use pdf::pdf;
 pub use proof::{
     Cell, Circumstances, Cleaning, NotClaimed, Proof, ProofStop, cells, cells_csv, made_now, proof,
 };
+pub use sheet::Sheet;

@@ -190,7 +190,37 @@ pub fn overview(history: &History) -> String {
     }
     svg.push_str("</g>");
     svg.push_str(&frame.scale());
+    svg.push_str("<g id=now></g>");
     svg + "</svg>"
+}
+
+/// Moments on the slider at most; a longer run has them farther apart.
+const MOMENTS_MAX: usize = 2_000;
+
+/// The moments of the run in pixels of the overview: seconds, robot x, y, heading in degrees, speed, and x, y and number of each
+/// person; as text for a script.
+pub fn moments(history: &History) -> String {
+    let frame = everything(history, &map(&history.scans));
+    let every = history.sightings.len().div_ceil(MOMENTS_MAX).max(1);
+    let mut text = "[".to_owned();
+    for (index, sighting) in history.sightings.iter().step_by(every).enumerate() {
+        let (x, y) = frame.at(place(&sighting.pose));
+        let heading = -sighting.pose.heading_rad.to_degrees();
+        let comma = if index == 0 { "" } else { "," };
+        let _ = write!(
+            text,
+            "{comma}[{:.1},{x:.0},{y:.0},{heading:.0},{:.2},[",
+            sighting.at_s,
+            sighting.speed_mps + 0.0
+        );
+        for (number, (id, at)) in sighting.people.iter().enumerate() {
+            let (x, y) = frame.at(*at);
+            let comma = if number == 0 { "" } else { "," };
+            let _ = write!(text, "{comma}{x:.0},{y:.0},{id}");
+        }
+        text.push_str("]]");
+    }
+    text + "]"
 }
 
 /// Where people were, and for how long.

@@ -18,14 +18,15 @@ max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem 
 dd{margin:0;min-width:0}.facts{gap:.3rem 1rem;margin:1rem 0}.proof{margin:.5rem 0}\
 .sign{display:none}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
 .pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}figcaption{text-align:center}\
-.legend{color:#5b6770;font-size:.88rem}.key{white-space:nowrap;margin-right:1rem;display:inline-block}.key i{display:\
+.slide{display:flex;gap:.8rem;align-items:center;margin:.5rem 0}.slide input{flex:1;min-height:2.5rem}\
+.slide output{min-width:11rem;font-variant-numeric:tabular-nums}.legend{color:#5b6770;font-size:.88rem}.key{white-space:nowrap;margin-right:1rem;display:inline-block}.key i{display:\
 inline-block;width:1em;height:1em;border:1px solid #888;vertical-align:-.1em;margin-right:.3em}.disc{display:inline-block;\
 min-width:1.6em;border-radius:1em;color:#fff;text-align:center;font-size:.85em}\
 @media screen and (max-width:40rem){dl.facts{display:block}.facts dt{margin-top:.4rem}.chart text{font-size:23px}\
 .chart .odd{display:none}.map text{font-size:28px}.map .mark circle{r:14px}.map .mark text{font-size:19px}\
 .stop svg{max-width:15rem}\
 td,th{padding:.25rem .3rem}}\
-@page{margin:14mm}@media print{.sign{display:flex;gap:2rem;margin-top:14mm;break-inside:avoid}.sign div{flex:1;\
+@page{margin:14mm}@media print{.slide,#now{display:none}.sign{display:flex;gap:2rem;margin-top:14mm;break-inside:avoid}.sign div{flex:1;\
 border-top:1px solid #1c2733;padding-top:.2rem;font-size:10px}.proof{break-inside:avoid}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{max-width:none;margin:0;font-size:11px}\
 svg{max-height:45vh;break-inside:avoid}.stop{padding:.4rem 0}.stop svg{max-width:150px}h2,h3,tr:first-child{break-after:avoid}\
 li,tr,.stop{break-inside:avoid}a{color:inherit}}";

@@ -16,7 +16,7 @@ use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
 use super::tape::{Tape, encode_route};
-use crate::panel::{Order, Panel};
+use crate::panel::{Panel, PanelOrder};
 use floorguard_host::executor::StopFlag;
 use floorguard_host::outcome::BadInput;
 use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
@@ -25,8 +25,7 @@ use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{RecordError, RunInfo, RunRecorder};
 use floorguard_robot::assembly::{Stages, TapRow};
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
-use floorguard_robot::cleaner::MissionPlan;
-use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionProgress, MissionSetup};
 use floorguard_robot::environment::Calendar;
 use floorguard_robot::learning::{LearningSetup, LearningSlot};
 use floorguard_robot::navigator::{NavigationPlan, NavigationProgress};
@@ -75,6 +74,10 @@ pub struct RunSinks {
     pub pictures: Option<PictureFolder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
     pub panel: Option<Panel>,
+    /// Where orders to the mission go.
+    pub missions: Option<MissionOrders>,
+    /// The first order to the mission: the areas that are kept.
+    pub first_order: Option<MissionOrder>,
     /// Set by somebody who wants the run to end here and now, in order.
     pub ended: StopFlag,
     /// What the robot learns, for the end of the recording.
@@ -240,18 +243,38 @@ impl RunSinks {
     }
 
     /// Shows the robot on the panel and keeps the run in real time; gives what operators have ordered meanwhile.
-    pub fn attend<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) -> Vec<Order> {
+    pub fn attend<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) -> Vec<PanelOrder> {
         let Some(panel) = &mut self.panel else { return Vec::new() };
         let started = *self.started.get_or_insert_with(Instant::now);
         std::thread::sleep(Duration::from_micros(now_us).saturating_sub(started.elapsed()));
         panel.publish(shared);
-        std::iter::from_fn(|| panel.order()).collect()
+        let first = self.first_order.take().map(PanelOrder::Mission);
+        first.into_iter().chain(std::iter::from_fn(|| panel.order())).collect()
+    }
+
+    /// A mission can be ordered at the panel; the areas that are kept there reach it before anything else.
+    pub fn set_mission(&mut self, setup: &MissionSetup) {
+        let Some(panel) = &mut self.panel else { return };
+        panel.set_mission(setup);
+        self.missions = Some(setup.orders.clone());
+        self.first_order = panel.kept_areas();
     }
 
     /// What operators have ordered reaches the tasks now.
-    pub fn order<M: RawMutex>(&mut self, order: Order, shared: &Shared<M>, now_us: u64) {
-        order.apply(shared);
-        self.delivered((now_us, now_us), order.line(), &[]);
+    pub fn order<M: RawMutex>(&mut self, order: impl Into<PanelOrder>, shared: &Shared<M>, now_us: u64) {
+        match order.into() {
+            PanelOrder::Button(order) => {
+                order.apply(shared);
+                self.delivered((now_us, now_us), order.line(), &[]);
+            }
+            PanelOrder::Mission(order) => {
+                let text = order.to_text();
+                // A mission that does not take it does not take it in a replay either.
+                if self.missions.as_ref().is_some_and(|missions| missions.push(order)) {
+                    self.delivered((now_us, now_us), TapeLine::MissionOrder, text.as_bytes());
+                }
+            }
+        }
     }
 
     /// What the tasks have published meanwhile is written.

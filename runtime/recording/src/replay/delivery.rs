@@ -15,6 +15,7 @@ pub(super) fn delivery(recorded: &Recorded) -> Option<(TapeLine, &[u8])> {
         RawStream::Imu => TapeLine::Imu,
         RawStream::CanReceived => TapeLine::Can,
         RawStream::Operator => TapeLine::from_number(u16::from(*bytes.first()?))?,
+        RawStream::MissionOrder => TapeLine::MissionOrder,
         RawStream::CanSent | RawStream::Route => return None,
     };
     Some((line, bytes))

@@ -25,7 +25,7 @@ use floorguard_robot::assembly::{
     GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_mission_ring,
     spawn_perception_ring,
 };
-use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};
+use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
 use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
 
@@ -51,6 +51,7 @@ struct Lines {
 
 struct Stage<'a> {
     shared: &'a Shared<NoopRawMutex>,
+    orders: MissionOrders,
     lines: Lines,
     tasks: TaskSet<'a>,
     digest: OutputDigest,
@@ -122,8 +123,12 @@ fn learning_of(
     setup.map(Some).map_err(|error| ReplayError::Robot(format!("what it had learned before: {error:#}")))
 }
 
-/// What plans in a run; none: the route.
-type Planner = Option<Box<dyn Mission>>;
+/// What plans in a run, none: the route; and where the operator's orders to it go.
+#[derive(Default)]
+struct Planner {
+    mission: Option<Box<dyn Mission>>,
+    orders: MissionOrders,
+}
 
 /// What planned in the recorded run, from its beginning: a drive to a goal, or cleaning.
 fn mission_of(
@@ -133,16 +138,18 @@ fn mission_of(
     if let Some(text) = texts.get(NAVIGATION) {
         let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
         let setup = NavigationSetup::new(NavigationPlan::from_text(text).map_err(wrong)?);
-        return Ok(Some(Box::new(setup.begin(robot).map_err(wrong)?)));
+        let mission = Some(Box::new(setup.begin(robot).map_err(wrong)?) as Box<dyn Mission>);
+        return Ok(Planner { mission, ..Planner::default() });
     }
-    let Some(text) = texts.get(MISSION) else { return Ok(None) };
+    let Some(text) = texts.get(MISSION) else { return Ok(Planner::default()) };
     let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its mission: {error:#}"));
     let setup = MissionSetup::new(MissionPlan::from_text(text).map_err(wrong)?, Store::None);
-    Ok(Some(Box::new(setup.begin(robot).map_err(wrong)?)))
+    let mission = Some(Box::new(setup.begin_queue(robot).map_err(wrong)?) as Box<dyn Mission>);
+    Ok(Planner { mission, orders: setup.orders })
 }
 
 fn play<R: Read>(
-    (robot, stages, (mut mission, learning)): (&RobotConfiguration, Stages, (Planner, Option<LearningSetup>)),
+    (robot, stages, (mut planner, learning)): (&RobotConfiguration, Stages, (Planner, Option<LearningSetup>)),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
@@ -166,12 +173,13 @@ fn play<R: Read>(
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
-    match mission.as_deref_mut() {
+    match planner.mission.as_deref_mut() {
         Some(mission) => spawn_mission_ring(&mut tasks, &shared, (&mut perception, mission)),
         None => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
     }
     let mut stage = Stage {
         shared: &shared,
+        orders: planner.orders,
         lines,
         tasks,
         digest: OutputDigest::default(),
@@ -299,6 +307,12 @@ impl Stage<'_> {
             TapeLine::Start => self.shared.start.signal(()),
             TapeLine::Pause => self.shared.pause(true),
             TapeLine::Resume => self.shared.pause(false),
+            TapeLine::MissionOrder => {
+                // One that is damaged was refused when it came, too.
+                if let Ok(order) = MissionOrder::from_text(bytes) {
+                    let _ = self.orders.push(order);
+                }
+            }
             TapeLine::Route => {}
         }
     }

@@ -183,7 +183,7 @@ fn mission_of(
         return Ok(Some(Box::new(setup.begin(robot)?)));
     }
     let Some(setup) = links.mission.take() else { return Ok(None) };
-    Ok(Some(Box::new(setup.begin(robot)?)))
+    Ok(Some(Box::new(setup.begin_queue(robot)?)))
 }
 
 /// A thread of its own: planning takes longer than people may wait to be seen.

@@ -5,6 +5,7 @@ use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::Gear;
 
+use super::areas::AreaKind;
 use super::body::{Body, DISCS};
 use super::path_finder::{PathFinder, STEP_M};
 use super::plan::MissionPlan;
@@ -35,9 +36,22 @@ impl Ground {
     /// The plan holds no map, or the robot fits nowhere.
     pub fn new(plan: &MissionPlan, (body, brush): (Body, Brush)) -> anyhow::Result<Self> {
         let mut floor = Floor::new("mission", plan.occupancy()?, body.ahead.radius_m)?;
+        if plan.has(AreaKind::NoGo) {
+            floor.close(|place| plan.lies_in(AreaKind::NoGo, place))?;
+        }
         floor.start = plan.start_pose();
         let expected = plan.expected_on(&floor.cells);
         Ok(Self { floor, body, brush, expected })
+    }
+
+    /// The mission answers for the areas that its plan names, if it names any.
+    pub fn keep_to_areas(&mut self, plan: &MissionPlan) {
+        if plan.has(AreaKind::Clean) {
+            let raster = self.floor.cells;
+            for (cell, reachable) in self.floor.reachable.iter_mut().enumerate() {
+                *reachable &= plan.lies_in(AreaKind::Clean, raster.centre(cell));
+            }
+        }
     }
 
     /// Finds out where the robot can go, from the start.

@@ -19,6 +19,7 @@ use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::DirtReading;
 use floorguard_types::time::Stamp;
 
+use super::areas::AreaKind;
 use super::body::Body;
 use super::ground::Ground;
 use super::obstacles::Obstacles;
@@ -36,6 +37,8 @@ use crate::site::{Localiser, RecentPoses, lanes, scrubber};
 const NODES: usize = 1_026;
 /// Held by the guard for this long, the robot takes a detour, seconds.
 const PATIENCE_S: f32 = 2.0;
+/// Speed in an area where the robot goes slowly, m/s.
+const SLOW_MPS: f32 = 0.2;
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
@@ -98,6 +101,7 @@ fn path_finder_of(
     if plan.strategy != MissionStrategy::Route {
         ground.floor.keep_in_sight()?;
     }
+    ground.keep_to_areas(plan);
     Ok(path_finder)
 }
 
@@ -257,7 +261,7 @@ impl Cleaner {
 
     /// What the time since the last moment went to.
     fn time_use(&self, moment: &MissionMoment<'_>) -> TimeUse {
-        if self.phase == MissionPhase::Done {
+        if self.phase.is_over() {
             TimeUse::Done
         } else if moment.is_paused {
             TimeUse::Paused
@@ -318,12 +322,26 @@ impl Cleaner {
         Twist2::ZERO
     }
 
+    /// In an area where the robot goes slowly the same curve, slowly.
+    pub(super) fn slowed(&self, requested: Twist2) -> Twist2 {
+        let speed_mps = requested.linear_mps.abs();
+        if speed_mps <= SLOW_MPS || !self.plan.has(AreaKind::Slow) {
+            return requested;
+        }
+        let places = self.ground.body.ahead.places(self.pose());
+        if !places.iter().any(|place| self.plan.lies_in(AreaKind::Slow, *place)) {
+            return requested;
+        }
+        let share = SLOW_MPS / speed_mps;
+        Twist2 { linear_mps: share * requested.linear_mps, angular_radps: share * requested.angular_radps }
+    }
+
     /// What a power cut must not take.
     fn save(&mut self, now_s: f32) {
         if now_s < self.save_s || self.is_kept {
             return;
         }
-        if self.phase == MissionPhase::Done {
+        if self.phase.is_over() {
             self.is_kept = true;
             return self.store.finish();
         }
@@ -352,7 +370,7 @@ impl Mission for Cleaner {
         }
         let permitted = moment.decision.map_or(Twist2::ZERO, |decision| decision.permitted);
         self.times.add(self.time_use(moment), (self.requested, permitted), lasted_s);
-        if self.phase == MissionPhase::Done {
+        if self.phase.is_over() {
             self.requested = Twist2::ZERO;
         } else if moment.is_paused {
             self.phase = MissionPhase::Paused;
@@ -362,6 +380,7 @@ impl Mission for Cleaner {
             self.lost_s = if self.localiser.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
             self.phase = if self.held_s > 0.5 { MissionPhase::Waiting } else { MissionPhase::Cleaning };
             self.requested = self.decide(now_s);
+            self.requested = self.slowed(self.requested);
         }
         self.save(now_s);
         if now_s >= self.next_report_s {

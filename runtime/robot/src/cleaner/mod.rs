@@ -1,14 +1,17 @@
 //! The cleaning mission of the robot that drives: the belief and the tours of the trials, with real bytes around, and
 //! paths for a long robot among people.
 
+mod areas;
 mod body;
 mod ground;
 mod mission;
 mod mission_report;
 mod obstacles;
+mod orders;
 mod path_finder;
 mod plan;
 mod progress;
+mod queue;
 mod retreat;
 mod senses;
 mod setup;
@@ -19,10 +22,13 @@ mod times;
 mod track;
 mod visits;
 
+pub use areas::{AREAS_MAX, Area, AreaKind, check_areas};
 pub use mission::{Cleaner, SharedWatch};
+pub use orders::{MissionOrder, MissionOrders, QUEUE_MAX, QueueStatus};
 pub(crate) use plan::MapRuns;
 pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
 pub use progress::{CellState, Doubt, LaneCount, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
+pub use queue::MissionQueue;
 pub use setup::MissionSetup;
 pub use store::Store;
 pub use times::{TimeUse, Times};

@@ -7,6 +7,7 @@ use floorguard_mapping::{DirtCell, Grid, GridGeometry, Occupancy};
 use floorguard_types::geometry::{Point2, Pose2};
 use serde::{Deserialize, Serialize};
 
+use super::areas::{Area, AreaKind};
 use crate::site::read_places;
 use crate::site::ros_map::{self, OccupancyMap};
 use floorguard_configuration::{CleaningStrategy, MissionConfiguration};
@@ -85,6 +86,9 @@ pub struct MissionPlan {
     pub delta: f64,
     /// What is expected where.
     pub dirt: Vec<ExpectedDirt>,
+    /// Areas that an operator has drawn; none: the whole floor, everywhere at the same speed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub areas: Vec<Area>,
     map: MapRuns,
 }
 
@@ -94,7 +98,16 @@ impl MissionPlan {
     pub fn on_map(begin: PlanBegin, dirt: Vec<ExpectedDirt>, map: &OccupancyMap) -> Self {
         let start = [begin.pose_in_map.x_m, begin.pose_in_map.y_m, begin.pose_in_map.heading_rad];
         let PlanBegin { strategy, seed, .. } = begin;
-        Self { strategy, start, seed, tolerated_units: 5, delta: 0.01, dirt, map: MapRuns::of(map) }
+        Self {
+            strategy,
+            start,
+            seed,
+            tolerated_units: 5,
+            delta: 0.01,
+            dirt,
+            areas: Vec::new(),
+            map: MapRuns::of(map),
+        }
     }
 
     /// Of a `[mission]` in a robot.toml that lies in `folder`.
@@ -130,6 +143,7 @@ impl MissionPlan {
             tolerated_units: mission.tolerated_units,
             delta: f64::from(mission.delta),
             dirt,
+            areas: Vec::new(),
             map: MapRuns::of(&map),
         })
     }
@@ -139,6 +153,18 @@ impl MissionPlan {
     pub fn start_pose(&self) -> Pose2 {
         let [x_m, y_m, heading_rad] = self.start;
         Pose2::new(x_m, y_m, heading_rad)
+    }
+
+    /// The place lies in an area of this kind.
+    #[must_use]
+    pub fn lies_in(&self, kind: AreaKind, place: Point2) -> bool {
+        self.areas.iter().any(|area| area.kind == kind && area.contains(place))
+    }
+
+    /// There is an area of this kind.
+    #[must_use]
+    pub fn has(&self, kind: AreaKind) -> bool {
+        self.areas.iter().any(|area| area.kind == kind)
     }
 
     /// The map.

@@ -26,6 +26,8 @@ pub enum MissionPhase {
     Paused,
     /// Nothing is left that could be cleaned.
     Done,
+    /// The operator has given it up.
+    Cancelled,
 }
 
 impl MissionPhase {
@@ -38,7 +40,14 @@ impl MissionPhase {
             Self::Waiting => "waiting",
             Self::Paused => "paused",
             Self::Done => "done",
+            Self::Cancelled => "cancelled",
         }
+    }
+
+    /// Nothing more comes of it.
+    #[must_use]
+    pub const fn is_over(self) -> bool {
+        matches!(self, Self::Done | Self::Cancelled)
     }
 }
 

@@ -156,6 +156,14 @@ impl Store {
         }
     }
 
+    /// Another mission begins: nothing of the one before is gone on with.
+    pub fn forget(&self) {
+        if let Self::Memory(memory) = self {
+            memory.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        }
+        self.finish();
+    }
+
     /// The mission to go on with, if there is one for this plan.
     pub fn load(&self, plan: &MissionPlan, cells: usize) -> Option<Saved> {
         let wanted = (fingerprint(plan), cells);

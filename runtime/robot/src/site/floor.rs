@@ -97,6 +97,20 @@ impl Floor {
         Ok(floor)
     }
 
+    /// The robot stays away from these places as from a wall, but its scanner sees through them.
+    ///
+    /// # Errors
+    /// The map has no size.
+    pub fn close(&mut self, is_closed: impl Fn(Point2) -> bool) -> anyhow::Result<()> {
+        let fine = *self.occupancy.geometry();
+        let mut scratch = Grid::new(fine, vec![0_u8; fine.cell_count()])?;
+        let occupancy = &self.occupancy;
+        fill_distances(&mut self.clearance, &mut scratch, |i| {
+            occupancy.get(i) != Some(&Occupancy::Free) || is_closed(fine.centre(i))
+        });
+        Ok(())
+    }
+
     /// Gives up the cells without a wall in sight, by blocks of a metre.
     ///
     /// # Errors

@@ -29,6 +29,11 @@ const SWEPT_SHARE: f32 = 0.8;
 const STANDS: (f32, f32) = (0.01, 0.02);
 /// Spread of the copies of a particle at a robot that stands, metres and radians.
 const ROUGHENING: PoseDeviation = PoseDeviation { position_m: 0.04, heading_rad: 0.02 };
+/// How well an operator shows on a map where the robot stands.
+const POINTED_AT: PoseDeviation = PoseDeviation { position_m: 0.5, heading_rad: 0.35 };
+/// Doubt of a belief that goes on from one that was trusted, and the least of one that was not.
+const GO_ON: PoseDeviation = PoseDeviation { position_m: GO_ON_M, heading_rad: 0.052 };
+const GO_ON_M: f32 = 0.05;
 /// Doubt that is added when something is wrong.
 const DOUBT: PoseDeviation = PoseDeviation { position_m: 0.12, heading_rad: 0.1 };
 
@@ -186,6 +191,20 @@ impl Localiser {
         }
         self.mean_at_update = pose_in_map;
         self.restart(odometry);
+    }
+
+    /// Somebody says where the robot stands: to half a metre and twenty degrees it is believed, and the scans decide.
+    pub fn place_at(&mut self, pose_in_map: Pose2, odometry: Pose2) {
+        self.mean_at_update = pose_in_map;
+        self.restart_within(odometry, POINTED_AT);
+    }
+
+    /// Goes on where another belief was, as far as that was trusted.
+    pub fn go_on_at(&mut self, (pose_in_map, doubt_m): (Pose2, f32), odometry: Pose2, is_trusted: bool) {
+        self.mean_at_update = pose_in_map;
+        let doubt = PoseDeviation { position_m: doubt_m.max(GO_ON_M), heading_rad: DOUBT.heading_rad };
+        self.restart_within(odometry, if is_trusted { GO_ON } else { doubt });
+        self.is_trusted = is_trusted;
     }
 
     /// As after a power cut, with the map and the pose as they are: what the particles held is lost.

@@ -65,8 +65,8 @@ impl Lines {
             TapeLine::Start => shared.start.signal(()),
             TapeLine::Pause => shared.pause(true),
             TapeLine::Resume => shared.pause(false),
-            // The board has no second scanner.
-            TapeLine::Route | TapeLine::RearScanner => {}
+            // The board has no second scanner, and no mission.
+            TapeLine::Route | TapeLine::RearScanner | TapeLine::MissionOrder => {}
         }
     }
 }

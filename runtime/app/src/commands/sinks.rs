@@ -1,0 +1,39 @@
+//! What is written and shown of a simulated run.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use super::interrupt::end_at_ctrl_c;
+use super::panel::{PanelOpening, open_panel};
+use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time};
+use floorguard_operator::telemetry::RunSinks;
+
+/// What is written and shown of a simulated run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SinkOutputs<'a> {
+    /// The recording.
+    pub record: Option<&'a Path>,
+    /// Where the panel listens.
+    pub panel: Option<SocketAddr>,
+    /// Where the panel keeps its areas, alerts and days.
+    pub panel_records: Option<PathBuf>,
+    /// The run is in real time over real lines.
+    pub real_io: bool,
+}
+
+/// A recording and a panel, where they are wanted.
+pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs<'_>) -> anyhow::Result<()> {
+    let SinkOutputs { record, panel, panel_records, real_io } = outputs;
+    match record {
+        Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
+        Some(path) => record_plan(sinks, plan, path)?,
+        None => {}
+    }
+    end_at_ctrl_c(&sinks.ended, "the run ends here")?;
+    if let Some(address) = panel {
+        let opening =
+            PanelOpening { title: &plan.scenario.title, robot: &plan.robot, records: panel_records };
+        sinks.panel = Some(open_panel(address, opening)?);
+    }
+    Ok(())
+}

@@ -1,0 +1,136 @@
+// A token in the address opens the buttons: after the # it does not go over the line by itself.
+const token = location.hash.slice(1);
+const headers = token ? {Authorization: "Bearer " + token} : {};
+const trails = new Map(), path = [];
+let frame = null, floor = null, plan = null, role = "viewer", asking = false;
+const shown = {claimed: true, track: true, dirt: false};
+
+// The person or object that holds the robot, as one would say it beside the robot.
+function holderWords(holder) { return t(holder.what) + " (" + t(holder.direction) + ", " + number(holder.distance_m, 1) + " m)"; }
+
+function headlineOf(next) {
+  const parts = next.headline_parts;
+  return t(parts.key, parts.cause ? t(parts.cause) : next.holder ? holderWords(next.holder) : "");
+}
+
+function show(next) {
+  frame = next;
+  $("title").textContent = next.title;
+  $("time").textContent = number(next.time_s, 1) + " s";
+  const state = t(next.state);
+  $("state").textContent = next.paused ? t("{} (paused)", state) : state;
+  $("state").className = next.state;
+  $("speed").textContent = number(Math.abs(next.speed_mps), 2);
+  $("limit").textContent = number(next.limit_mps, 2);
+  $("people").textContent = next.people.filter(p => p.person).length;
+  $("driven").textContent = number(next.driven_m, 1);
+  showCause(next);
+  const enable = (order, yes) => { document.querySelector("[data-order=" + order + "]").disabled = !yes; };
+  enable("pause", !next.paused); enable("resume", next.paused); enable("reset", next.reset_allowed); enable("start", next.start_allowed);
+  list("sources", next.sources, source => source.name + source.health + source.good, source => {
+    const line = element("li", "", source.good ? "good" : "");
+    line.append(element("span", "", "dot"), t(source.name) + ": ", element("small", t(source.health)));
+    return line;
+  });
+  list("stops", next.stops, stop => stop.at_s + stop.text, stop => {
+    const line = element("li", "");
+    line.append(element("b", number(stop.at_s, 1) + " s "), t(stop.name), document.createElement("br"), element("small", stop.text));
+    line.lastChild.lang = "en";
+    return line;
+  });
+  showMission(next);
+  const last = path[path.length - 1];
+  if (!last || Math.hypot(last[0] - next.pose[0], last[1] - next.pose[1]) > 0.05) path.push(next.pose.slice(0, 2));
+  if (path.length > 20000) path.splice(0, 5000);
+  const seen = new Set();
+  for (const person of next.people.filter(p => p.person)) {
+    seen.add(person.id);
+    const trail = trails.get(person.id) || [];
+    trail.push(person.at_m);
+    if (trail.length > 60) trail.shift();
+    trails.set(person.id, trail);
+  }
+  for (const id of trails.keys()) if (!seen.has(id)) { const trail = trails.get(id); trail.shift(); if (!trail.length) trails.delete(id); }
+  noteWalls(next);
+  draw();
+}
+
+// Lists are rebuilt only when they say something else: what is under a finger or a reader stays there.
+function list(id, items, key, make) {
+  const keys = language + role + JSON.stringify(items.map(key));
+  if ($(id).dataset.key === keys) return;
+  $(id).dataset.key = keys;
+  $(id).replaceChildren(...items.map(make));
+}
+
+// The headline changes with each picture; a screen reader hears it only when it tells of something else.
+let announced = "";
+function showCause(next) {
+  const headline = headlineOf(next);
+  $("headline").textContent = headline;
+  $("cause").className = !next.cause ? "clear" : next.limit_mps > 0 ? "" : "stop";
+  const why = [];
+  if (next.cause) why.push(element("p", t(next.cause.remedy)));
+  if (next.reset_refused) { const line = element("p", ""); line.append(element("b", t("reset refused") + ": "), next.reset_refused); line.lang = language; why.push(line); }
+  if (next.cause) {
+    const more = element("details", "");
+    more.open = !!$("why").querySelector("details[open]");
+    const full = element("small", next.cause.text);
+    full.lang = "en";
+    more.append(element("summary", t("Cause in full")), full);
+    if (next.first_cause) more.append(document.createElement("br"), element("small", t("It stopped first for: {}", t(next.first_cause.name))));
+    why.push(more);
+  }
+  const key = JSON.stringify([language, next.cause && next.cause.text.replace(/[\d.]+/g, ""), next.first_cause && next.first_cause.name, next.reset_refused]);
+  if ($("why").dataset.key !== key) { $("why").dataset.key = key; $("why").replaceChildren(...why); }
+  const words = headline.replace(/,? ?[\d.,]+ m\b/g, "");
+  if (words !== announced) { announced = words; $("live").textContent = headline + ". " + (next.cause ? t(next.cause.remedy) : ""); }
+}
+
+function showMission(next) {
+  const mission = next.mission;
+  $("mission").hidden = !mission;
+  if (!mission) return;
+  const name = next.queue && next.queue.name;
+  $("phase").textContent = t(mission.phase) + (name ? " (" + name + ")" : "");
+  const areas = {c: mission.cleaned_m2, a: mission.assumed_m2, d: mission.remaining_m2};
+  const all = Math.max(areas.c + areas.a + areas.d, 0.01);
+  for (const letter of "cad") {
+    document.querySelector("#bar ." + letter).style.width = 100 * areas[letter] / all + "%";
+    $("m2" + letter).textContent = number(areas[letter], 1) + " m²";
+  }
+  $("bar").setAttribute("aria-label", t("cleaned by me") + " " + number(areas.c) + " m², " + t("assumed clean") + " " + number(areas.a) + " m², " + t("to do") + " " + number(areas.d) + " m²");
+  $("doubts").textContent = [[mission.completion_percent, "{} % of the dirty floor claimed clean"], [mission.claimed_percent, "{} % of all floor"], [mission.dirt_percent, "{} % of the dirt still expected"],
+    [mission.uncertain_cells, "{} cells not claimed"], [mission.unreachable_cells, "{} cells out of reach"], [mission.waited_s, "waited {} s"]].map(([value, words]) => t(words, number(value))).join("; ");
+  const queue = next.queue, runs = !["done", "cancelled"].includes(mission.phase);
+  const waiting = queue ? [...(runs ? [queue.name || t("whole floor")] : []), ...queue.waiting.map(name => name || t("whole floor"))] : [];
+  list("queue", waiting, name => name + runs, (name) => {
+    const place = waiting.indexOf(name) + (runs ? 0 : 1), line = element("li", "");
+    line.append(element("span", (place ? t("then: {}", name) : t("now: {}", name))));
+    if (role !== "viewer") { const stop = element("button", t("Cancel")); stop.setAttribute("aria-label", t("Cancel: {}", name)); stop.onclick = () => send("/mission", {do: "cancel", place}); line.append(stop); }
+    return line;
+  });
+  if (queue && queue.answered !== answered) { if (answered !== null && queue.refused) note(t("The mission refuses: {}", queue.refused)); answered = queue.answered; }
+  if (!asking && (!floor || floor.number < mission.layers)) fetchFloor();
+  if (!plan) fetchPlan();
+}
+let answered = null;
+
+async function fetchFloor() {
+  asking = true;
+  try {
+    const answer = await fetch("/layers?after=" + (floor ? floor.number : 0), {headers});
+    const next = answer.ok ? await answer.json() : {};
+    if (next.number) { floor = next; repaint(); }
+  } catch { /* the next picture asks again */ }
+  asking = false;
+}
+
+async function fetchPlan() {
+  plan = {};
+  try {
+    const answer = await fetch("/map", {headers});
+    const next = answer.ok ? await answer.json() : {};
+    if (next.width) { plan = next; repaint(); }
+  } catch { plan = null; }
+}
