@@ -8,6 +8,7 @@ mod cdr;
 mod chunk;
 pub mod decode;
 pub mod describe;
+pub mod detections;
 mod lidar_view;
 mod message_count;
 mod messages;
