@@ -32,7 +32,7 @@ pub struct Outcome {
 
 /// Cubes of the clouds of pictures, metres.
 const CUBE_M: f32 = 0.05;
-/// The reference casts the rays of every so many sweeps: it takes a fifth of a second for one.
+/// OctoMap uses only every fifth sweep: one sweep takes it a fifth of a second.
 const REFERENCE_EVERY: u64 = 5;
 
 /// Seconds that the work took this thread's processor: other programs do not count.

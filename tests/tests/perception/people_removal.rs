@@ -44,15 +44,8 @@ fn walkers_leave_the_recorded_hall() {
     let (Some(capture), Some(people)) = (capture, key()) else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("clean");
-    let arguments = CleanArguments {
-        files: vec![capture],
-        poses: Vec::new(),
-        out: out.clone(),
-        people: None,
-        cube_m: 0.02,
-        voxel_m: 0.1,
-        json: false,
-    };
+    let arguments =
+        CleanArguments { files: vec![capture], out: out.clone(), cube_m: 0.02, ..CleanArguments::default() };
     clean_map(&arguments).expect("the hall is cleaned");
     let (clean, removed) = (cloud(&out.join("clean.ply")), cloud(&out.join("removed.ply")));
     assert!(people.len() > 250 && clean.len() > 20_000, "{} boxes, {} points", people.len(), clean.len());

@@ -1,6 +1,8 @@
 //! Maps of buildings: made out of recordings, judged, and used to find the robot again.
 
 mod arguments;
+mod calibrate;
+mod camera_file;
 mod clean;
 mod eval_slam;
 mod files;
@@ -13,6 +15,7 @@ mod report;
 mod summary;
 
 pub use arguments::{DriveArguments, LocaliseArguments, Map3dArguments, MapArguments, SlamArguments};
+pub use calibrate::{CalibrateArguments, CalibrateWhat, CameraLidarArguments, run as calibrate};
 pub use clean::{CleanArguments, run as clean_map};
 pub use eval_slam::run as eval_slam;
 pub use localise::run as localise;

@@ -63,9 +63,8 @@ impl Outline {
         let most = |axis: usize| corners.iter().map(|corner| corner[axis]).fold(f64::NEG_INFINITY, f64::max);
         let edges = [least(0), least(1), most(0), most(1)];
         let on_edge = |corner: &[f64; 2]| {
-            let near = |value: f64, low: f64, high: f64| {
-                (value - low).abs().min((value - high).abs()) < EDGE_PX
-            };
+            let near =
+                |value: f64, low: f64, high: f64| (value - low).abs().min((value - high).abs()) < EDGE_PX;
             near(corner[0], edges[0], edges[2]) && near(corner[1], edges[1], edges[3])
         };
         corners.iter().all(on_edge).then_some(edges)
@@ -80,7 +79,8 @@ impl Words {
 
     /// `person 0.87`, `person: 87%`, `person`.
     fn class_and_score(&self) -> (String, f64) {
-        let words: Vec<&str> = self.text.split([' ', ':', '(', ')', ',']).filter(|word| !word.is_empty()).collect();
+        let words: Vec<&str> =
+            self.text.split([' ', ':', '(', ')', ',']).filter(|word| !word.is_empty()).collect();
         let value = |word: &str| match word.strip_suffix('%') {
             Some(share) => share.parse::<f64>().ok().map(|share| 0.01 * share),
             None => word.parse::<f64>().ok(),
@@ -138,7 +138,12 @@ pub fn annotations_json(message: &[u8]) -> Option<Annotations> {
     let mut found = Annotations::default();
     for each in list("points") {
         let corners = each.get("points")?.as_array()?.iter().map(place).collect::<Option<Vec<_>>>()?;
-        let shape = each.get("type").and_then(Value::as_u64).unwrap_or(0);
+        // A number, or the name that Protocol Buffers write.
+        let shape = each.get("type").map_or(0, |shape| match shape.as_str() {
+            Some("LINE_LOOP") => CLOSED,
+            Some("LINE_STRIP") => OPEN,
+            _ => shape.as_u64().unwrap_or(0),
+        });
         found.outlines.push(Outline { stamp: time(&each), shape, corners_px: corners });
     }
     for each in list("texts") {
