@@ -15,6 +15,7 @@ mod messages;
 pub mod mission;
 pub mod navigation;
 pub mod order;
+pub mod picture_messages;
 mod raw;
 mod reader;
 mod recorder;

@@ -95,6 +95,9 @@ pub enum Command {
     CleanMap(CleanArguments),
     /// Find out where sensors are mounted, from points picked in the data of both.
     Calibrate(CalibrateArguments),
+    #[cfg(feature = "detector")]
+    /// Find people in pictures by a detector that you bring, for `clean-map --boxes`.
+    DetectPeople(crate::mapping_commands::DetectArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.

@@ -85,6 +85,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
         Some(Command::Calibrate(arguments)) => mapping_commands::calibrate(&arguments),
+        #[cfg(feature = "detector")]
+        Some(Command::DetectPeople(arguments)) => mapping_commands::detect_people(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),

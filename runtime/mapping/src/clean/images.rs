@@ -126,10 +126,10 @@ impl PeopleInImages {
         Ok(Self { camera, method, images, is_done, sightings, counts: ImageCounts::default() })
     }
 
-    /// Pictures that found no sweep or no pose so far.
+    /// Pictures, used or not.
     #[must_use]
-    pub fn unused(&self) -> usize {
-        self.is_done.iter().filter(|is_done| !**is_done).count()
+    pub const fn pictures(&self) -> usize {
+        self.images.len()
     }
 
     /// The people.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use floorguard_host::outcome::{BadInput, WrongUsage};
 use floorguard_mapping::people_removal::{
-    FloorHeight, PointVerdict, PositionMethod, RemovalBox, RemovalSize,
+    FloorHeight, PointVerdict, PositionMethod, RemovalBox, RemovalSize, Sighting,
 };
 use floorguard_mapping_host::clean::{
     BoxIndex, CleanConfig, Cleaner, PeopleInImages, RawSweep, Thinned, Track,
@@ -33,7 +33,7 @@ pub fn run(arguments: &CleanArguments) -> anyhow::Result<()> {
         cleaner,
         floor: None,
         images: images(arguments, &surveys)?,
-        boxes: BoxIndex::new(&[]),
+        boxes: Vec::new(),
         clean: Thinned::new(arguments.cube_m),
         removed: Thinned::new(arguments.cube_m),
         summary: CleanSummary::default(),
@@ -43,19 +43,21 @@ pub fn run(arguments: &CleanArguments) -> anyhow::Result<()> {
     let outcome = work.clean(&surveys, arguments, &progress);
     progress.finish();
     outcome?;
+    let sightings: Vec<Sighting> =
+        work.images.iter().flat_map(|images| images.sightings().entries()).copied().collect();
     let cleaned = Cleaned {
         clean: work.clean.points(),
         removed: work.removed.points(),
-        sightings: work.images.as_ref().map_or(&[], |images| images.sightings().entries()),
+        sightings: &sightings,
         track: arguments.map_first.then(|| surveys[0].track.poses()),
     };
     write(&arguments.out, &cleaned, &mut work.summary)?;
     report(arguments, surveys[0].file.name(), &work.summary)
 }
 
-/// Boxes of pictures with their camera.
-fn images(arguments: &CleanArguments, surveys: &[Survey]) -> anyhow::Result<Option<PeopleInImages>> {
-    let (Some(path), Some(camera)) = (&arguments.boxes, &arguments.camera) else { return Ok(None) };
+/// Boxes of pictures with their camera, for each survey: who stood somewhere in one survey may be gone in the next.
+fn images(arguments: &CleanArguments, surveys: &[Survey]) -> anyhow::Result<Vec<PeopleInImages>> {
+    let (Some(path), Some(camera)) = (&arguments.boxes, &arguments.camera) else { return Ok(Vec::new()) };
     let camera = CameraFile::read(camera)?.mounted(camera)?;
     let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", path.display()));
     let mut images = read_boxes(path)?;
@@ -68,14 +70,18 @@ fn images(arguments: &CleanArguments, surveys: &[Survey]) -> anyhow::Result<Opti
         BoxMethod::Depth => PositionMethod::DepthMode,
         BoxMethod::Nearest => PositionMethod::NearestToMiddle,
     };
-    Ok(Some(PeopleInImages::new(camera, images, method).map_err(|error| bad(&error))?))
+    let collect =
+        |_: &Survey| PeopleInImages::new(camera, images.clone(), method).map_err(|error| bad(&error));
+    Ok(surveys.iter().map(collect).collect::<Result<Vec<_>, _>>()?)
 }
 
 struct Work {
     cleaner: Cleaner,
     floor: Option<FloorHeight>,
-    images: Option<PeopleInImages>,
-    boxes: BoxIndex,
+    /// For each survey; none without pictures.
+    images: Vec<PeopleInImages>,
+    /// For each survey.
+    boxes: Vec<BoxIndex>,
     clean: Thinned,
     removed: Thinned,
     summary: CleanSummary,
@@ -89,10 +95,10 @@ impl Work {
         progress: &Progress,
     ) -> anyhow::Result<()> {
         let began = Instant::now();
-        for survey in surveys {
+        for (number, survey) in surveys.iter().enumerate() {
             survey.file.for_each(&mut |sweep| {
                 progress.count();
-                self.observe(sweep, &survey.track);
+                self.observe(number, sweep, &survey.track);
                 Ok(())
             })?;
         }
@@ -104,12 +110,12 @@ impl Work {
         let floor_m = self.floor.as_ref().and_then(FloorHeight::floor_m);
         self.summary.floor_m =
             floor_m.ok_or_else(|| BadInput("no floor in any sweep: is the lidar level?".to_owned()))?;
-        self.boxes = BoxIndex::new(&self.removal_boxes(arguments)?);
+        self.boxes = self.removal_boxes(arguments, surveys.len())?;
         let began = Instant::now();
-        for survey in surveys {
+        for (number, survey) in surveys.iter().enumerate() {
             survey.file.for_each(&mut |sweep| {
                 progress.count();
-                self.judge(sweep, &survey.track);
+                self.judge(number, sweep, &survey.track);
                 Ok(())
             })?;
         }
@@ -119,29 +125,32 @@ impl Work {
         Ok(())
     }
 
-    /// Around places of a file and around people in pictures.
-    fn removal_boxes(&mut self, arguments: &CleanArguments) -> anyhow::Result<Vec<RemovalBox>> {
+    /// For each survey, around places of a file and around people in its pictures.
+    fn removal_boxes(&mut self, arguments: &CleanArguments, surveys: usize) -> anyhow::Result<Vec<BoxIndex>> {
         let floor_m = self.summary.floor_m;
-        let mut all = match &arguments.people {
+        let given = match &arguments.people {
             Some(path) => boxes(path, floor_m)?,
             None => Vec::new(),
         };
-        if let Some(images) = &self.images {
-            if images.counts.used == 0 {
-                let what = format!(
-                    "none of the {} pictures lies within 50 ms of a sweep with a pose: are the clocks the same?",
-                    images.unused()
-                );
-                return Err(BadInput(what).into());
-            }
-            self.summary.enter_images(images);
-            let around = |place| RemovalBox::around(place, floor_m, RemovalSize::default());
-            all.extend(images.sightings().entries().iter().map(|seen| around(seen.person_in_map)));
+        self.summary.enter_images(&self.images);
+        if !self.images.is_empty() && self.summary.pictures_used == 0 {
+            let what = format!(
+                "none of the {} pictures lies within 50 ms of a sweep with a pose: are the clocks the same?",
+                self.summary.pictures_unused
+            );
+            return Err(BadInput(what).into());
         }
-        Ok(all)
+        let around =
+            |seen: &Sighting| RemovalBox::around(seen.person_in_map, floor_m, RemovalSize::default());
+        let of_survey = |number: usize| {
+            let seen = self.images.get(number).map_or(&[][..], |images| images.sightings().entries());
+            let all: Vec<RemovalBox> = given.iter().copied().chain(seen.iter().map(around)).collect();
+            BoxIndex::new(&all)
+        };
+        Ok((0..surveys).map(of_survey).collect())
     }
 
-    fn observe(&mut self, sweep: &RawSweep, track: &Track) {
+    fn observe(&mut self, survey: usize, sweep: &RawSweep, track: &Track) {
         self.summary.sweeps += 1;
         if !self.cleaner.observe(sweep, track) {
             self.summary.sweeps_without_pose += 1;
@@ -151,12 +160,12 @@ impl Work {
         let heights = self.floor.get_or_insert_with(|| FloorHeight::below(sensor_m));
         let points_in_map = self.cleaner.points_in_map();
         points_in_map.iter().for_each(|point| heights.enter(point.z_m));
-        if let Some(images) = &mut self.images {
+        if let Some(images) = self.images.get_mut(survey) {
             images.enter(sweep.start_s + 0.5 * sweep.duration_s(), points_in_map, track);
         }
     }
 
-    fn judge(&mut self, sweep: &RawSweep, track: &Track) {
+    fn judge(&mut self, survey: usize, sweep: &RawSweep, track: &Track) {
         let mut verdicts = Vec::new();
         if self.cleaner.judge(sweep, track, &mut verdicts).is_none() && track.at(sweep.start_s).is_none() {
             return;
@@ -166,7 +175,7 @@ impl Work {
             if *verdict == PointVerdict::Moved {
                 self.summary.returns_moved += 1;
                 self.removed.enter(*point);
-            } else if self.boxes.contains(*point) {
+            } else if self.boxes[survey].contains(*point) {
                 self.summary.returns_in_boxes += 1;
                 self.removed.enter(*point);
             } else {

@@ -66,17 +66,20 @@ pub struct CleanSummary {
 }
 
 impl CleanSummary {
-    /// Takes over what became of pictures.
-    pub fn enter_images(&mut self, images: &PeopleInImages) {
-        let counts = images.counts;
-        self.pictures_used = counts.used;
-        self.pictures_unused = images.unused() as u64;
-        self.boxes_placed = counts.placed;
-        self.boxes_without_points = counts.without_points;
-        self.boxes_not_sure = counts.not_sure;
-        self.boxes_beyond_32 = counts.beyond_32;
-        self.places = images.sightings().entries().len();
-        self.places_left_out = u64::from(images.sightings().left_out());
+    /// Takes over what became of the pictures of all surveys.
+    pub fn enter_images(&mut self, surveys: &[PeopleInImages]) {
+        let most = surveys.iter().map(PeopleInImages::pictures).max().unwrap_or(0) as u64;
+        for images in surveys {
+            let counts = images.counts;
+            self.pictures_used += counts.used;
+            self.boxes_placed += counts.placed;
+            self.boxes_without_points += counts.without_points;
+            self.boxes_not_sure += counts.not_sure;
+            self.boxes_beyond_32 += counts.beyond_32;
+            self.places += images.sightings().entries().len();
+            self.places_left_out += u64::from(images.sightings().left_out());
+        }
+        self.pictures_unused = most.saturating_sub(self.pictures_used);
     }
 }
 
