@@ -10,6 +10,7 @@ pub mod decode;
 pub mod describe;
 pub mod detections;
 mod lidar_view;
+mod map_clouds;
 mod message_count;
 mod messages;
 pub mod mission;
@@ -28,6 +29,7 @@ pub mod topics;
 pub mod truth;
 
 pub use lidar_view::{LidarView, points as sweep_points};
+pub use map_clouds::{NamedCloud, map_clouds};
 pub use message_count::count_messages;
 pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
 pub use raw::RawStream;

@@ -218,3 +218,42 @@ fn seconds(value: f64, field: &Field) -> Option<f64> {
     let seconds = if is_whole || is_offset_in_ns || is_time_in_ns { value * 1.0e-9 } else { value };
     seconds.is_finite().then_some(seconds)
 }
+
+#[cfg(test)]
+mod tests {
+    use floorguard_recording::{NamedCloud, PointRow, map_clouds};
+    use floorguard_types::time::Stamp;
+
+    use super::*;
+
+    #[test]
+    fn clouds_of_a_bag_become_sweeps() {
+        let point = |ring: u16, x: f32, time_s: f32| PointRow {
+            position_m: [x, 0.0, x * (2.0 * f32::from(ring) - 15.0).to_radians().tan()],
+            reflectivity: 9,
+            ring,
+            time_s,
+        };
+        let points = [point(0, 3.0, 0.04), point(15, 4.0, 0.01), point(7, 5.0, 0.09)];
+        let cloud = NamedCloud { topic: "/lidar/points", points: &points };
+        let bytes = map_clouds(&[cloud], Stamp::from_micros(2_000_000)).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bag.mcap");
+        std::fs::write(&path, bytes).unwrap();
+        let bag = CloudBag::open(&path).unwrap();
+        let mut sweeps = Vec::new();
+        bag.for_each(&mut |sweep| {
+            sweeps.push(sweep.clone());
+            Ok(())
+        })
+        .unwrap();
+        let [sweep] = &sweeps[..] else { panic!("{} sweeps", sweeps.len()) };
+        assert!((sweep.start_s - 2.01).abs() < 1.0e-6);
+        let rings: Vec<u8> = sweep.returns.iter().map(|each| each.ring).collect();
+        // Three rings of the cloud, lowest first; returns in the order of their times.
+        assert_eq!(rings, [2, 0, 1]);
+        assert!((sweep.duration_s() - 0.08).abs() < 1.0e-6);
+        std::fs::write(&path, map_clouds(&[], Stamp::ZERO).unwrap()).unwrap();
+        assert!(CloudBag::open(&path).is_err_and(|error| error.to_string().contains("no PointCloud2")));
+    }
+}

@@ -9,7 +9,9 @@ use floorguard_mapping_host::metrics::{TimedPose, write_tum_in_space};
 use floorguard_mapping_host::output::{
     CloudPage, TopView, cloud_las, cloud_page, cloud_pcd, cloud_ply, draw_top_view,
 };
+use floorguard_recording::{NamedCloud, PointRow, map_clouds};
 use floorguard_types::geometry::{Point3, Pose2};
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::super::files::write_whole;
@@ -134,6 +136,7 @@ pub fn write(folder: &Path, cleaned: &Cleaned<'_>, summary: &mut CleanSummary) -
     put("before.png", &draw_top_view(&before, &all))?;
     put("after.png", &draw_top_view(&TopView { removed: &[], ..before }, &all))?;
     put("view.html", page(cleaned, summary, &areas.filled_points(kept)).as_bytes())?;
+    put("clouds.mcap", &recording([kept, gone, &areas.filled_points(kept)])?)?;
     if !cleaned.sightings.is_empty() {
         put("people.csv", people(cleaned.sightings).as_bytes())?;
         put("revisits.csv", tour(cleaned.sightings).as_bytes())?;
@@ -142,6 +145,21 @@ pub fn write(folder: &Path, cleaned: &Cleaned<'_>, summary: &mut CleanSummary) -
         put("trajectory.tum", write_tum_in_space(poses).as_bytes())?;
     }
     Ok(put("summary.json", (serde_json::to_string_pretty(summary)? + "\n").as_bytes())?)
+}
+
+/// What stays, what was removed, and what was seen where something was removed, for Foxglove and Rerun.
+fn recording(clouds: [&[Point3]; 3]) -> anyhow::Result<Vec<u8>> {
+    let topics = ["/map/clean", "/map/removed", "/map/filled"];
+    let row = |point: &Point3| PointRow {
+        position_m: [point.x_m, point.y_m, point.z_m],
+        reflectivity: 0,
+        ring: 0,
+        time_s: 0.0,
+    };
+    let rows = clouds.map(|points| points.iter().map(row).collect::<Vec<_>>());
+    let [clean, removed, filled] =
+        [0, 1, 2].map(|index: usize| NamedCloud { topic: topics[index], points: &rows[index] });
+    Ok(map_clouds(&[clean, removed, filled], Stamp::from_micros(1))?)
 }
 
 fn page(cleaned: &Cleaned<'_>, summary: &CleanSummary, filled: &[Point3]) -> String {
