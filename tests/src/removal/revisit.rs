@@ -80,6 +80,17 @@ impl Revisited {
         Self { building, people: all, drives: vec![(drive, track)], seed }
     }
 
+    /// A short stretch of corridor; a person stands in it all through the survey and leaves before the tour.
+    #[must_use]
+    pub fn short() -> Self {
+        let building = Building::random(&mut Chance(1), 1);
+        let drive = Drive::new(&[[1.0, 0.0], [2.2, 0.0]], 0.0);
+        let leaves_s = drive.end_s() + 1.0;
+        let person = Walker { course: vec![[-1.0, 4.6, 0.5], [leaves_s, 4.6, 0.5]], height_m: 1.75 };
+        let track = drive.track();
+        Self { building, people: vec![person], drives: vec![(drive, track)], seed: 9 }
+    }
+
     /// Surveys and drives the tours; ends earlier once nobody was seen in the newest drive.
     ///
     /// # Panics
