@@ -138,7 +138,12 @@ impl Cell {
     /// Middle and size, pixels of the frame.
     fn placed(&self, [x, y, across, down]: [f32; 4]) -> [f32; 4] {
         let stride = self.stride;
-        [(x + self.column) * stride, (y + self.row) * stride, across.exp() * stride, down.exp() * stride]
+        [
+            (x + self.column) * stride,
+            (y + self.row) * stride,
+            libm::expf(across) * stride,
+            libm::expf(down) * stride,
+        ]
     }
 }
 

@@ -86,7 +86,7 @@ pub fn from_space(pairs: &[PickedPair], rays: &[Vector2<f64>], spread: &Spread) 
     // The sign is free: the points are before the camera.
     let sign = offset.z.signum();
     let (matrix, offset) = (matrix * sign, offset * sign);
-    let stretch = matrix.determinant().abs().cbrt();
+    let stretch = libm::cbrt(matrix.determinant().abs());
     if stretch < 1.0e-12 {
         return None;
     }

@@ -54,7 +54,7 @@ impl Outline {
     fn edges(&self) -> Option<[f64; 4]> {
         let corners = match (self.shape, &self.corners_px[..]) {
             (CLOSED, [a, b, c, d]) => [*a, *b, *c, *d],
-            (CLOSED | OPEN, [a, b, c, d, e]) if (a[0] - e[0]).hypot(a[1] - e[1]) < EDGE_PX => {
+            (CLOSED | OPEN, [a, b, c, d, e]) if libm::hypot(a[0] - e[0], a[1] - e[1]) < EDGE_PX => {
                 [*a, *b, *c, *d]
             }
             _ => return None,
