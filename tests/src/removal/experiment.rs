@@ -11,7 +11,6 @@ use floorguard_types::geometry::Point3;
 
 use super::chance::Chance;
 use super::remove::{Outcome, Surveys, erasor, octomap, ours};
-use super::revisit_table::tours;
 use super::sim3d::{LabelledSweep, SimulatedDrive, simulate};
 use super::twice::Twice;
 use crate::data::recording;
@@ -58,7 +57,6 @@ pub fn people_removal(trials: u64, folder: &Path) -> anyhow::Result<(String, boo
         holds &= plan(&data, folder, &mut table)?;
     }
     holds &= buildings(trials, folder, &mut table)?;
-    holds &= tours(trials, folder, &mut table)?;
     holds &= boxes(&mut table);
     println!("{table}");
     std::fs::write(folder.join("people-removal.md"), &table)?;

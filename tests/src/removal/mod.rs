@@ -18,5 +18,6 @@ mod walkers;
 pub use experiment::people_removal;
 pub use remove::{Outcome, Surveys, erasor, octomap, ours};
 pub use revisit::{RevisitClouds, Revisited, Round};
+pub use revisit_table::people_revisits;
 pub use score::Score;
 pub use twice::Twice;

@@ -14,13 +14,27 @@ const FILLED: f32 = 0.95;
 /// Share of people's returns that are removed.
 const REMOVED: f64 = 0.98;
 
+/// Runs the experiment with so many random buildings, prints the table and writes it and two pages into `folder`. True if all
+/// holes are filled and the people gone.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn people_revisits(trials: u64, folder: &Path) -> anyhow::Result<(String, bool)> {
+    std::fs::create_dir_all(folder)?;
+    let mut table = String::new();
+    let holds = tours(trials, folder, &mut table)?;
+    println!("{table}");
+    std::fs::write(folder.join("revisits.md"), &table)?;
+    Ok((table, holds))
+}
+
 /// Surveys and tours: the office, the conference room with its corridor, and so many random buildings. True if all holes are
 /// filled and the people gone.
 ///
 /// # Errors
 /// The folder takes no page.
-pub fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool> {
-    *table += "\n| building | round | poses of the tour | floor below people, m² | of it seen, % | people removed, % | static kept, % |\n\
+fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool> {
+    *table += "| building | round | poses of the tour | floor below people, m² | of it seen, % | people removed, % | static kept, % |\n\
                |---|---|---|---|---|---|---|\n";
     let mut holds = true;
     let mut filled = Vec::new();
