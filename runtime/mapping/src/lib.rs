@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod calibrate;
 pub mod clean;
 pub mod front_end;
 pub mod grid_map;

@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         "sliding-window" => floorguard_tests::reproduce::sliding_window::sliding_window(trials, folder),
         "slam" => floorguard_tests::slam::slam(folder),
         "people-removal" => floorguard_tests::removal::people_removal(trials, folder),
+        "revisits" => floorguard_tests::removal::people_revisits(trials, folder),
         "slam3d" => floorguard_tests::slam::slam_in_space(folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
         "online-learning" => floorguard_tests::online::online_learning(trials, folder),

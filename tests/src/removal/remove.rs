@@ -4,6 +4,7 @@ use floorguard_mapping::people_removal::PointVerdict;
 use floorguard_mapping_host::clean::{CleanConfig, Cleaner, Thinned, Track};
 use floorguard_types::geometry::Point3;
 
+use super::erasor::Erasor;
 use super::octomap::OctoMap;
 use super::score::Score;
 use super::sim3d::LabelledSweep;
@@ -32,7 +33,7 @@ pub struct Outcome {
 
 /// Cubes of the clouds of pictures, metres.
 const CUBE_M: f32 = 0.05;
-/// The reference casts the rays of every so many sweeps: it takes a fifth of a second for one.
+/// OctoMap uses only every fifth sweep: one sweep takes it a fifth of a second.
 const REFERENCE_EVERY: u64 = 5;
 
 /// Seconds that the work took this thread's processor: other programs do not count.
@@ -100,6 +101,42 @@ pub fn octomap(surveys: &dyn Surveys) -> anyhow::Result<Outcome> {
     })?;
     let cast = (sweeps / REFERENCE_EVERY).max(1);
     Ok(Outcome { score, ms_per_sweep: 1.0e3 * took_s / cast as f64, kept, removed })
+}
+
+/// The second plain reference, by heights in polar bins; every fifth sweep is compared, as for the other.
+///
+/// # Errors
+/// The sweeps cannot be read.
+pub fn erasor(surveys: &dyn Surveys) -> anyhow::Result<Outcome> {
+    let mut map = Erasor::default();
+    let (mut took_s, mut sweeps, mut placed) = (0.0, 0_u64, Vec::new());
+    surveys.for_each(&mut |labelled, track| {
+        if place(labelled, track, &mut placed).is_some() {
+            took_s += cpu_s(|| map.enter(&placed));
+        }
+    })?;
+    surveys.for_each(&mut |labelled, track| {
+        sweeps += 1;
+        if sweeps % REFERENCE_EVERY != 0 {
+            return;
+        }
+        let Some(sensor) = place(labelled, track, &mut placed) else { return };
+        took_s += cpu_s(|| map.compare(sensor, &placed));
+    })?;
+    let mut score = Score::default();
+    let (mut kept, mut removed) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
+    surveys.for_each(&mut |labelled, track| {
+        if place(labelled, track, &mut placed).is_none() {
+            return;
+        }
+        for (point, label) in placed.iter().zip(&labelled.labels) {
+            let is_removed = !map.stays(*point);
+            score.enter(*label > 0, is_removed);
+            if is_removed { removed.enter(*point) } else { kept.enter(*point) }
+        }
+    })?;
+    let compared = (sweeps / REFERENCE_EVERY).max(1);
+    Ok(Outcome { score, ms_per_sweep: 1.0e3 * took_s / compared as f64, kept, removed })
 }
 
 /// Puts the returns into the map, each by the pose at its own time; the pose in the middle of the sweep is the sensor's.

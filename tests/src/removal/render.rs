@@ -12,7 +12,8 @@ use super::walkers::Walker;
 /// Revolutions a second are 10; so many firings each.
 const FIRINGS: usize = 900;
 const SWEEP_S: f32 = 0.1;
-const SENSOR_M: f32 = 0.8;
+/// Height of the lidar above the floor, metres.
+pub(super) const SENSOR_M: f32 = 0.8;
 const NOISE_M: f32 = 0.015;
 const SPEED_MPS: f32 = 0.6;
 const TURN_RADPS: f32 = 1.0;
@@ -28,25 +29,64 @@ impl Drive {
     /// Along the corners of a route, from a time on.
     #[must_use]
     pub fn new(route: &[[f32; 2]], start_s: f32) -> Self {
-        let mut poses = vec![[start_s, route[0][0], route[0][1], 0.0]];
-        for [x, y] in &route[1..] {
-            let [time_s, from_x, from_y, heading] = poses[poses.len() - 1];
-            let (right, up) = (x - from_x, y - from_y);
-            let turn = wrap(up.atan2(right) - heading);
-            let turned_s = time_s + turn.abs() / TURN_RADPS + 0.01;
-            poses.push([turned_s, from_x, from_y, heading + turn]);
-            poses.push([turned_s + right.hypot(up) / SPEED_MPS + 0.01, *x, *y, heading + turn]);
+        let mut drive = Self::begin([route[0][0], route[0][1], 0.0], start_s);
+        route[1..].iter().for_each(|corner| drive.go_to(*corner));
+        drive
+    }
+
+    /// Stands at x, y and heading at a time.
+    #[must_use]
+    pub fn begin([x, y, heading]: [f32; 3], start_s: f32) -> Self {
+        Self { poses: vec![[start_s, x, y, heading]] }
+    }
+
+    /// Time, x, y, heading at the end.
+    #[must_use]
+    pub fn last(&self) -> [f32; 4] {
+        self.poses[self.poses.len() - 1]
+    }
+
+    /// Turns towards a place and drives there.
+    pub fn go_to(&mut self, [x, y]: [f32; 2]) {
+        let [_, from_x, from_y, _] = self.last();
+        let (right, up) = (x - from_x, y - from_y);
+        if right.hypot(up) < 1.0e-3 {
+            return;
         }
-        Self { poses }
+        self.face(up.atan2(right));
+        let [time_s, _, _, heading] = self.last();
+        self.poses.push([time_s + right.hypot(up) / SPEED_MPS + 0.01, x, y, heading]);
+    }
+
+    /// Turns on the spot.
+    pub fn face(&mut self, to_rad: f32) {
+        let [time_s, x, y, heading] = self.last();
+        let turn = wrap(to_rad - heading);
+        self.poses.push([time_s + turn.abs() / TURN_RADPS + 0.01, x, y, heading + turn]);
+    }
+
+    /// Stands still.
+    pub fn wait(&mut self, seconds: f32) {
+        let [time_s, x, y, heading] = self.last();
+        self.poses.push([time_s + seconds, x, y, heading]);
     }
 
     /// Time of the end, seconds.
     #[must_use]
     pub fn end_s(&self) -> f32 {
-        self.poses[self.poses.len() - 1][0]
+        self.last()[0]
     }
 
-    fn at(&self, time_s: f32) -> [f32; 3] {
+    /// When its sweeps begin, seconds.
+    pub fn sweep_starts(&self) -> impl Iterator<Item = f32> {
+        let start_s = self.poses[0][0];
+        let count = ((self.end_s() - start_s) / SWEEP_S) as usize;
+        (0..count).map(move |number| start_s + number as f32 * SWEEP_S)
+    }
+
+    /// x, y and heading at a time.
+    #[must_use]
+    pub fn at(&self, time_s: f32) -> [f32; 3] {
         let after = self.poses.partition_point(|pose| pose[0] <= time_s).clamp(1, self.poses.len() - 1);
         let (from, to) = (self.poses[after - 1], self.poses[after]);
         let share = ((time_s - from[0]) / (to[0] - from[0])).clamp(0.0, 1.0);
@@ -93,10 +133,8 @@ impl Survey<'_> {
     pub fn for_each(&self, seed: u64, mut each: impl FnMut(&LabelledSweep)) {
         let mut chance = Chance(seed);
         let mut sweep = LabelledSweep::default();
-        let start_s = self.drive.poses[0][0];
-        let count = ((self.drive.end_s() - start_s) / SWEEP_S) as usize;
-        for number in 0..count {
-            self.render(start_s + number as f32 * SWEEP_S, &mut chance, &mut sweep);
+        for start_s in self.drive.sweep_starts() {
+            self.render(start_s, &mut chance, &mut sweep);
             each(&sweep);
         }
     }
@@ -168,20 +206,23 @@ impl Survey<'_> {
     }
 }
 
-struct Cylinder {
+/// An upright part of a body.
+pub(super) struct Cylinder {
     middle: [f32; 2],
     radius_m: f32,
     heights: [f32; 2],
 }
 
-struct Ray {
-    from: [f32; 3],
-    direction: [f32; 3],
+/// From a place into a direction.
+pub(super) struct Ray {
+    pub from: [f32; 3],
+    /// Of length 1.
+    pub direction: [f32; 3],
 }
 
 impl Ray {
     /// Distance to a box by its slabs; `None` if missed.
-    fn meets(&self, cuboid: &Cuboid) -> Option<f32> {
+    pub fn meets(&self, cuboid: &Cuboid) -> Option<f32> {
         let (mut near, mut far) = (0.0_f32, f32::INFINITY);
         for axis in 0..3 {
             let one = 1.0 / self.direction[axis];

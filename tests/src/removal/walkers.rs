@@ -83,6 +83,21 @@ fn walker(building: &Building, duration_s: f32, chance: &mut Chance) -> Walker {
     person
 }
 
+/// Stands somewhere in a room or in the corridor until a time, and leaves by the corridor.
+#[must_use]
+pub fn standing(building: &Building, leaves_s: f32, chance: &mut Chance) -> Walker {
+    let [x, y] = building.rooms[chance.below(building.rooms.len())];
+    let place = if chance.below(3) == 0 {
+        [chance.between(1.5, building.length_m - 1.5), 0.7]
+    } else {
+        [x + chance.between(-1.2, 1.2), y + chance.between(0.3, 1.0) * y.signum()]
+    };
+    let mut person = Walker::new(chance, [-1.0, place[0], place[1]]);
+    person.stay(leaves_s + 1.0);
+    person.leave(building);
+    person
+}
+
 /// A place in a ring of people who talk.
 fn grouped(building: &Building, room: [f32; 2], place: usize, leaves_s: f32, chance: &mut Chance) -> Walker {
     let (sin, cos) = (1.3 * place as f32).sin_cos();

@@ -52,6 +52,7 @@ fn arguments(file: &Path, out: &Path) -> MapArguments {
     MapArguments {
         files: vec![file.to_owned()],
         out: out.to_owned(),
+        clean: false,
         drive: DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None },
         cell_m: 0.05,
         range_m: 30.0,

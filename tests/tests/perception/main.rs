@@ -10,6 +10,7 @@ mod floor_recordings;
 mod legs_leigh;
 mod motion_corridor;
 mod motion_fabu;
+mod people_boxes;
 mod people_candidates;
 mod people_crowds;
 mod people_detector;

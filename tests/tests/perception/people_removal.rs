@@ -4,7 +4,7 @@ use std::path::Path;
 
 use floorguard_app::mapping_commands::{CleanArguments, clean_map};
 use floorguard_tests::data::recording;
-use floorguard_tests::removal::{Twice, octomap, ours};
+use floorguard_tests::removal::{Revisited, Twice, octomap, ours};
 
 /// Points of a PLY file of ours.
 fn cloud(path: &Path) -> Vec<[f32; 3]> {
@@ -44,15 +44,8 @@ fn walkers_leave_the_recorded_hall() {
     let (Some(capture), Some(people)) = (capture, key()) else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("clean");
-    let arguments = CleanArguments {
-        files: vec![capture],
-        poses: Vec::new(),
-        out: out.clone(),
-        people: None,
-        cube_m: 0.02,
-        voxel_m: 0.1,
-        json: false,
-    };
+    let arguments =
+        CleanArguments { files: vec![capture], out: out.clone(), cube_m: 0.02, ..CleanArguments::default() };
     clean_map(&arguments).expect("the hall is cleaned");
     let (clean, removed) = (cloud(&out.join("clean.ply")), cloud(&out.join("removed.ply")));
     assert!(people.len() > 250 && clean.len() > 20_000, "{} boxes, {} points", people.len(), clean.len());
@@ -79,4 +72,17 @@ fn who_left_between_surveys_is_removed() {
     assert!(score.static_accuracy() >= 0.995, "{score:?}");
     let reference = octomap(&surveys).expect("rendered, not read").score;
     assert!(score.harmonic_mean() > reference.harmonic_mean(), "{score:?} {reference:?}");
+}
+
+#[test]
+fn tour_of_revisits_fills_the_hole() {
+    let (rounds, clouds) = Revisited::short().run();
+    let [survey, .., last] = &rounds[..] else { panic!("{rounds:?}") };
+    println!("{rounds:?}");
+    assert!(survey.seen > 0 && last.stops > 0 && rounds.len() <= 4, "{rounds:?}");
+    // The person stood there all through the survey: no floor below, and no free space without the second drive.
+    assert!(survey.areas.filled_share() < 0.5, "{survey:?}");
+    assert!(last.areas.filled_share() >= 0.95, "{last:?}");
+    assert!(last.score.dynamic_accuracy() >= 0.98 && last.score.static_accuracy() >= 0.98, "{last:?}");
+    assert!(clouds.filled.len() > 50);
 }

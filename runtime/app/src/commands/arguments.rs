@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::mapping_commands::{CleanArguments, LocaliseArguments, Map3dArguments, MapArguments};
+use crate::mapping_commands::{
+    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments,
+};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -94,6 +96,11 @@ pub enum Command {
     Map3d(Map3dArguments),
     /// Take what moved out of a lidar capture: clouds without people, and what was removed.
     CleanMap(CleanArguments),
+    /// Find out where sensors are mounted, from points picked in the data of both.
+    Calibrate(CalibrateArguments),
+    #[cfg(feature = "detector")]
+    /// Find people in pictures by a detector that you bring, for `clean-map --boxes`.
+    DetectPeople(crate::mapping_commands::DetectArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.

@@ -90,6 +90,9 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
+        Some(Command::Calibrate(arguments)) => mapping_commands::calibrate(&arguments),
+        #[cfg(feature = "detector")]
+        Some(Command::DetectPeople(arguments)) => mapping_commands::detect_people(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),

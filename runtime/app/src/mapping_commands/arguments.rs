@@ -26,7 +26,9 @@ pub struct DriveArguments {
 
 /// What to map.
 #[derive(Clone, Debug, Args)]
-#[command(after_help = "Example: floorguard map drive.mcap --out maps/hall")]
+#[command(
+    after_help = "Examples: floorguard map drive.mcap --out maps/hall\n          floorguard map --clean puck.pcap --out hall-without-people"
+)]
 pub struct MapArguments {
     /// Recordings of `--record` and ROS 2 bags with LaserScan (.mcap), or CARMEN logs (.clf, .log); packed or not. Several
     /// are the parts of one drive, in their order.
@@ -35,6 +37,10 @@ pub struct MapArguments {
     /// The folder of the map; a former map in it is replaced once the new one is whole.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Map the recording of a lidar in space (.pcap, or .mcap with PointCloud2) and take people and what else moved out of it:
+    /// the same as `clean-map --map-first`, which has more options.
+    #[arg(long)]
+    pub clean: bool,
     /// Which scans.
     #[command(flatten)]
     pub drive: DriveArguments,

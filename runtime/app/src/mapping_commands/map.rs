@@ -11,6 +11,7 @@ use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::output::{OutputFile, check_place, map_files, replace_folder};
 
 use super::arguments::MapArguments;
+use super::clean::{CleanArguments, run as clean_map};
 use super::input::{Drive, ReadSummary};
 use super::progress::Progress;
 use super::report::document;
@@ -21,6 +22,15 @@ use super::summary::{MapSummary, summarise};
 /// # Errors
 /// Bad input, a folder that cannot take a map, or a map that is in doubt (it is written all the same).
 pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
+    if arguments.clean {
+        return clean_map(&CleanArguments {
+            files: arguments.files.clone(),
+            out: arguments.out.clone(),
+            map_first: true,
+            json: arguments.json,
+            ..CleanArguments::default()
+        });
+    }
     check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
     let began = Instant::now();
     let drive = Drive::open(&arguments.files, arguments.drive.options())?;

@@ -57,6 +57,12 @@ impl Track {
         Self { poses: vec![rest(f64::NEG_INFINITY), rest(f64::INFINITY)] }
     }
 
+    /// The poses, ordered by time.
+    #[must_use]
+    pub fn poses(&self) -> &[TimedPose] {
+        &self.poses
+    }
+
     /// Times of the first and the last pose, seconds.
     #[must_use]
     pub fn span_s(&self) -> [f64; 2] {

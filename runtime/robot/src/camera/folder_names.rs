@@ -134,7 +134,7 @@ fn base(path: &Path, endings: &[&str]) -> String {
 
 /// The stamp at the end of a name, microseconds: seconds with a point, or whole milli-, micro- or nanoseconds since
 /// 1970, recognised by their digits. A short whole number counts pictures and is none.
-fn stamp_us(base: &str) -> Option<u64> {
+pub fn stamp_us(base: &str) -> Option<u64> {
     let from =
         base.rfind(|letter: char| !letter.is_ascii_digit() && letter != '.').map_or(0, |last| last + 1);
     let number = base.get(from..)?.trim_matches('.');

@@ -20,6 +20,7 @@ mod watcher;
 pub use device::Device;
 pub use dirt_stage::{DirtBlind, DirtStage, SeenDirt};
 pub use floor_stage::FloorStage;
+pub use folder_names::stamp_us as stamp_of_name;
 pub use folder_source::FolderSource;
 pub use frame_source::{FrameEvent, FrameSource};
 pub use kernel_source::KernelSource;

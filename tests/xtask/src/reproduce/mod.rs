@@ -45,6 +45,8 @@ enum Experiment {
     Slam,
     /// People out of three-dimensional maps: our remover beside others; a trial is a random building.
     PeopleRemoval,
+    /// Tours back to where people stood, driven until what they hid has been seen; a trial is a random building.
+    Revisits,
     /// Simulated drives of a spinning lidar through two real floor plans: absolute errors beside those of other programs.
     #[value(name = "slam3d")]
     SlamInSpace,
@@ -65,6 +67,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
         Experiment::PeopleRemoval => ("people-removal", 10),
+        Experiment::Revisits => ("revisits", 10),
         Experiment::SlamInSpace => ("slam3d", 1),
         Experiment::OnlineLearning => ("online-learning", 3),
         // Of fewer rooms the share of legs alone that are right is left to chance: 12 of 17 with 60.

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Returns, ReturnsOf};
-use floorguard_host::outcome::BadInput;
 use floorguard_mapping_host::clean::{CleanConfig, FAN_RINGS, RawReturn, RawSweep};
 use floorguard_recording::capture::{Capture, LIDAR_DATA_PORT, settle_model};
 use floorguard_types::time::Stamp;
@@ -12,38 +11,18 @@ use floorguard_types::time::Stamp;
 pub struct LidarCapture {
     path: std::path::PathBuf,
     model: Model,
-    /// Time of the first packet, seconds.
-    pub first_s: f64,
-    /// Time of the last packet, seconds.
-    pub last_s: f64,
-    /// Sweeps in it.
-    pub sweeps: u64,
 }
 
 /// A sweep ends where the azimuth falls by more than this, hundredths of a degree.
 const FALL_CDEG: u16 = 1_000;
 
 impl LidarCapture {
-    /// Reads the file once.
+    /// Finds the model of its lidar.
     ///
     /// # Errors
     /// It cannot be read, or holds no lidar.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
-        let model = settle_model(path, ModelChoice::Auto)?;
-        let mut capture =
-            Self { path: path.to_owned(), model, first_s: f64::NAN, last_s: f64::NAN, sweeps: 0 };
-        let (mut first_s, mut last_s, mut sweeps) = (f64::INFINITY, f64::NEG_INFINITY, 0);
-        capture.for_each(&mut |sweep| {
-            first_s = sweep.start_s.min(first_s);
-            last_s = last_s.max(sweep.start_s + sweep.duration_s());
-            sweeps += 1;
-            Ok(())
-        })?;
-        if sweeps == 0 {
-            return Err(BadInput(format!("{}: no return in it: the lidar was blind", path.display())).into());
-        }
-        (capture.first_s, capture.last_s, capture.sweeps) = (first_s, last_s, sweeps);
-        Ok(capture)
+        Ok(Self { path: path.to_owned(), model: settle_model(path, ModelChoice::Auto)? })
     }
 
     /// Calls `each` for every sweep; parts of a sweep at both ends count.

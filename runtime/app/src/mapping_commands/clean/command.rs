@@ -3,94 +3,85 @@
 use std::time::Instant;
 
 use floorguard_host::outcome::{BadInput, WrongUsage};
-use floorguard_host::words::counted;
-use floorguard_mapping::people_removal::{FloorHeight, PointVerdict};
-use floorguard_mapping_host::clean::{BoxIndex, CleanConfig, Cleaner, RawSweep, Thinned, Track};
-use floorguard_mapping_host::metrics::{TimedPose, read_tum};
+use floorguard_mapping::people_removal::{
+    FloorHeight, PointVerdict, PositionMethod, RemovalBox, RemovalSize, Sighting,
+};
+use floorguard_mapping_host::clean::{
+    BoxIndex, CleanConfig, Cleaner, PeopleInImages, RawSweep, Thinned, Track,
+};
 
-use super::super::files::text;
+use super::super::camera_file::CameraFile;
 use super::super::progress::Progress;
-use super::arguments::CleanArguments;
-use super::capture::LidarCapture;
+use super::arguments::{BoxMethod, CleanArguments};
+use super::boxes_file::read_boxes;
 use super::people::boxes;
-use super::result::{CleanSummary, prepare, write};
-
-/// Times of poses below this are seconds since the first packet; a capture bears the time of day.
-const ABSOLUTE_S: f64 = 1.0e8;
-
-/// A capture with its poses.
-struct Survey {
-    capture: LidarCapture,
-    track: Track,
-}
+use super::report::report;
+use super::result::{CleanSummary, Cleaned, prepare, write};
+use super::surveys::{ABSOLUTE_S, Survey, open};
 
 /// Runs the command.
 ///
 /// # Errors
 /// Bad input, or a folder that cannot take the clouds.
 pub fn run(arguments: &CleanArguments) -> anyhow::Result<()> {
-    if !arguments.poses.is_empty() && arguments.poses.len() != arguments.files.len() {
-        let (poses, files) = (arguments.poses.len(), arguments.files.len());
-        return Err(WrongUsage(format!(
-            "{poses} trajectories for {files} captures: give one for each, or none"
-        ))
-        .into());
-    }
     prepare(&arguments.out)?;
-    let surveys = surveys(arguments)?;
-    let config = CleanConfig { voxel_m: arguments.voxel_m, ..surveys[0].capture.config() };
+    let surveys = open(arguments)?;
+    let config = CleanConfig { voxel_m: arguments.voxel_m, ..surveys[0].file.config() };
     let cleaner =
         Cleaner::new(&config).ok_or_else(|| WrongUsage("a voxel of this edge cannot be".to_owned()))?;
     let mut work = Work {
         cleaner,
         floor: None,
-        boxes: BoxIndex::new(&[]),
+        images: images(arguments, &surveys)?,
+        boxes: Vec::new(),
         clean: Thinned::new(arguments.cube_m),
         removed: Thinned::new(arguments.cube_m),
         summary: CleanSummary::default(),
     };
-    let all: u64 = surveys.iter().map(|survey| 2 * survey.capture.sweeps).sum();
+    let all: u64 = surveys.iter().map(|survey| 2 * survey.file.sweeps).sum();
     let progress = Progress::new(all);
     let outcome = work.clean(&surveys, arguments, &progress);
     progress.finish();
     outcome?;
-    write(&arguments.out, &work.clean, &work.removed, &work.summary)?;
-    report(arguments, &surveys, &work.summary)
+    let sightings: Vec<Sighting> =
+        work.images.iter().flat_map(|images| images.sightings().entries()).copied().collect();
+    let cleaned = Cleaned {
+        clean: work.clean.points(),
+        removed: work.removed.points(),
+        sightings: &sightings,
+        track: arguments.map_first.then(|| surveys[0].track.poses()),
+    };
+    write(&arguments.out, &cleaned, &mut work.summary)?;
+    report(arguments, surveys[0].file.name(), &work.summary)
 }
 
-fn surveys(arguments: &CleanArguments) -> anyhow::Result<Vec<Survey>> {
-    let mut surveys = Vec::new();
-    for (number, file) in arguments.files.iter().enumerate() {
-        let capture = LidarCapture::open(file)?;
-        let Some(path) = arguments.poses.get(number) else {
-            surveys.push(Survey { capture, track: Track::standing() });
-            continue;
-        };
-        let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", path.display()));
-        let mut poses: Vec<TimedPose> = read_tum(&text(path)?).map_err(|error| bad(&error))?;
-        let is_relative =
-            poses.first().is_some_and(|pose| pose.time_s < ABSOLUTE_S) && capture.first_s >= ABSOLUTE_S;
-        if is_relative {
-            poses.iter_mut().for_each(|pose| pose.time_s += capture.first_s);
-        }
-        let track = Track::new(poses).map_err(|error| bad(&error))?;
-        let [from_s, to_s] = track.span_s();
-        if to_s < capture.first_s || from_s > capture.last_s {
-            let (first_s, last_s) = (capture.first_s, capture.last_s);
-            let what = format!(
-                "its times, {from_s:.1} to {to_s:.1} s, are not those of the capture, {first_s:.1} to {last_s:.1} s"
-            );
-            return Err(bad(&what).into());
-        }
-        surveys.push(Survey { capture, track });
+/// Boxes of pictures with their camera, for each survey: who stood somewhere in one survey may be gone in the next.
+fn images(arguments: &CleanArguments, surveys: &[Survey]) -> anyhow::Result<Vec<PeopleInImages>> {
+    let (Some(path), Some(camera)) = (&arguments.boxes, &arguments.camera) else { return Ok(Vec::new()) };
+    let camera = CameraFile::read(camera)?.mounted(camera)?;
+    let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", path.display()));
+    let mut images = read_boxes(path)?;
+    let first_s = surveys[0].file.first_s;
+    let is_relative = images.first().is_some_and(|image| image.stamp_s < ABSOLUTE_S) && first_s >= ABSOLUTE_S;
+    if is_relative {
+        images.iter_mut().for_each(|image| image.stamp_s += first_s);
     }
-    Ok(surveys)
+    let method = match arguments.box_method {
+        BoxMethod::Depth => PositionMethod::DepthMode,
+        BoxMethod::Nearest => PositionMethod::NearestToMiddle,
+    };
+    let collect =
+        |_: &Survey| PeopleInImages::new(camera, images.clone(), method).map_err(|error| bad(&error));
+    Ok(surveys.iter().map(collect).collect::<Result<Vec<_>, _>>()?)
 }
 
 struct Work {
     cleaner: Cleaner,
     floor: Option<FloorHeight>,
-    boxes: BoxIndex,
+    /// For each survey; none without pictures.
+    images: Vec<PeopleInImages>,
+    /// For each survey.
+    boxes: Vec<BoxIndex>,
     clean: Thinned,
     removed: Thinned,
     summary: CleanSummary,
@@ -104,10 +95,10 @@ impl Work {
         progress: &Progress,
     ) -> anyhow::Result<()> {
         let began = Instant::now();
-        for survey in surveys {
-            survey.capture.for_each(&mut |sweep| {
+        for (number, survey) in surveys.iter().enumerate() {
+            survey.file.for_each(&mut |sweep| {
                 progress.count();
-                self.observe(sweep, &survey.track);
+                self.observe(number, sweep, &survey.track);
                 Ok(())
             })?;
         }
@@ -119,26 +110,47 @@ impl Work {
         let floor_m = self.floor.as_ref().and_then(FloorHeight::floor_m);
         self.summary.floor_m =
             floor_m.ok_or_else(|| BadInput("no floor in any sweep: is the lidar level?".to_owned()))?;
-        if let Some(path) = &arguments.people {
-            self.boxes = BoxIndex::new(&boxes(path, self.summary.floor_m)?);
-        }
+        self.boxes = self.removal_boxes(arguments, surveys.len())?;
         let began = Instant::now();
-        for survey in surveys {
-            survey.capture.for_each(&mut |sweep| {
+        for (number, survey) in surveys.iter().enumerate() {
+            survey.file.for_each(&mut |sweep| {
                 progress.count();
-                self.judge(sweep, &survey.track);
+                self.judge(number, sweep, &survey.track);
                 Ok(())
             })?;
         }
         self.summary.judge_ms_per_sweep = 1.0e3 * began.elapsed().as_secs_f64() / sweeps;
         self.summary.sweeps_without_floor = self.cleaner.counts.without_floor;
         self.summary.evidence_left_out = self.cleaner.space().counts().left_out;
-        (self.summary.points_clean, self.summary.points_removed) =
-            (self.clean.points().len(), self.removed.points().len());
         Ok(())
     }
 
-    fn observe(&mut self, sweep: &RawSweep, track: &Track) {
+    /// For each survey, around places of a file and around people in its pictures.
+    fn removal_boxes(&mut self, arguments: &CleanArguments, surveys: usize) -> anyhow::Result<Vec<BoxIndex>> {
+        let floor_m = self.summary.floor_m;
+        let given = match &arguments.people {
+            Some(path) => boxes(path, floor_m)?,
+            None => Vec::new(),
+        };
+        self.summary.enter_images(&self.images);
+        if !self.images.is_empty() && self.summary.pictures_used == 0 {
+            let what = format!(
+                "none of the {} pictures lies within 50 ms of a sweep with a pose: are the clocks the same?",
+                self.summary.pictures_unused
+            );
+            return Err(BadInput(what).into());
+        }
+        let around =
+            |seen: &Sighting| RemovalBox::around(seen.person_in_map, floor_m, RemovalSize::default());
+        let of_survey = |number: usize| {
+            let seen = self.images.get(number).map_or(&[][..], |images| images.sightings().entries());
+            let all: Vec<RemovalBox> = given.iter().copied().chain(seen.iter().map(around)).collect();
+            BoxIndex::new(&all)
+        };
+        Ok((0..surveys).map(of_survey).collect())
+    }
+
+    fn observe(&mut self, survey: usize, sweep: &RawSweep, track: &Track) {
         self.summary.sweeps += 1;
         if !self.cleaner.observe(sweep, track) {
             self.summary.sweeps_without_pose += 1;
@@ -146,10 +158,14 @@ impl Work {
         }
         let sensor_m = track.at(sweep.start_s).map_or(0.0, |pose| pose.translation.z_m);
         let heights = self.floor.get_or_insert_with(|| FloorHeight::below(sensor_m));
-        self.cleaner.points_in_map().iter().for_each(|point| heights.enter(point.z_m));
+        let points_in_map = self.cleaner.points_in_map();
+        points_in_map.iter().for_each(|point| heights.enter(point.z_m));
+        if let Some(images) = self.images.get_mut(survey) {
+            images.enter(sweep.start_s + 0.5 * sweep.duration_s(), points_in_map, track);
+        }
     }
 
-    fn judge(&mut self, sweep: &RawSweep, track: &Track) {
+    fn judge(&mut self, survey: usize, sweep: &RawSweep, track: &Track) {
         let mut verdicts = Vec::new();
         if self.cleaner.judge(sweep, track, &mut verdicts).is_none() && track.at(sweep.start_s).is_none() {
             return;
@@ -159,7 +175,7 @@ impl Work {
             if *verdict == PointVerdict::Moved {
                 self.summary.returns_moved += 1;
                 self.removed.enter(*point);
-            } else if self.boxes.contains(*point) {
+            } else if self.boxes[survey].contains(*point) {
                 self.summary.returns_in_boxes += 1;
                 self.removed.enter(*point);
             } else {
@@ -167,45 +183,4 @@ impl Work {
             }
         }
     }
-}
-
-fn report(arguments: &CleanArguments, surveys: &[Survey], summary: &CleanSummary) -> anyhow::Result<()> {
-    if arguments.json {
-        return Ok(tell!("{}", serde_json::to_string(summary)?)?);
-    }
-    let share = |part: u64| 100.0 * part as f64 / summary.returns.max(1) as f64;
-    say!("cleaned: {} ({})", arguments.out.display(), surveys[0].capture.model_name());
-    say!("  {} and {}", counted(summary.sweeps, "sweep"), counted(summary.returns, "return"));
-    say!(
-        "  removed: {} of what moved ({:.2} %)",
-        counted(summary.returns_moved, "return"),
-        share(summary.returns_moved)
-    );
-    if arguments.people.is_some() {
-        say!("  and {} in boxes around people", counted(summary.returns_in_boxes, "return"));
-    }
-    if summary.sweeps_without_pose > 0 {
-        say!(
-            "  note: {} have no pose at their time and are in no cloud",
-            counted(summary.sweeps_without_pose, "sweep")
-        );
-    }
-    if summary.sweeps_without_floor > 0 {
-        say!(
-            "  note: no floor in {}; nothing of them was removed",
-            counted(summary.sweeps_without_floor, "sweep")
-        );
-    }
-    say!(
-        "  clouds: {} stay, {} were removed",
-        counted(summary.points_clean as u64, "point"),
-        summary.points_removed
-    );
-    say!(
-        "  took {:.1} + {:.1} ms a sweep, reading included",
-        summary.observe_ms_per_sweep,
-        summary.judge_ms_per_sweep
-    );
-    say!("  look at {} and after.png", arguments.out.join("before.png").display());
-    Ok(())
 }

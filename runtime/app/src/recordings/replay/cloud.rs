@@ -205,7 +205,7 @@ fn points(cloud: &Cloud<'_>) -> Result<Vec<Point>, CloudError> {
 }
 
 /// A number of a point; the types are those of `sensor_msgs/msg/PointField`.
-fn number(point: &[u8], field: &Field, big_endian: bool) -> Option<f64> {
+pub(crate) fn number(point: &[u8], field: &Field, big_endian: bool) -> Option<f64> {
     fn take<const N: usize>(point: &[u8], at: usize, big_endian: bool) -> Option<[u8; N]> {
         let mut bytes = *point.get(at..)?.first_chunk::<N>()?;
         if big_endian {

@@ -14,6 +14,8 @@ mod scanner_line;
 mod scans;
 mod summary;
 
+pub(crate) use cloud::number as cloud_number;
+
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;

@@ -1,0 +1,193 @@
+//! The whole published way in a simulated building: survey, people by a camera's boxes, removal, and a tour of revisits that is
+//! driven until what people hid has been seen, at most three times.
+
+use floorguard_mapping::people_removal::{
+    PointVerdict, PositionMethod, RemovalBox, RemovalSize, RevisitRule, Sighting, revisits,
+};
+use floorguard_mapping_host::clean::{
+    AreaCount, BoxIndex, CleanConfig, Cleaner, PeopleInImages, RemovedAreas, Thinned, Track,
+};
+use floorguard_types::geometry::{Point3, Pose2};
+
+use super::building::Building;
+use super::camera::{camera, picture};
+use super::chance::Chance;
+use super::render::{Drive, Survey};
+use super::score::Score;
+use super::walkers::{Walker, people, standing};
+
+/// Tours at most.
+const ROUNDS: usize = 3;
+/// Sweeps from one picture to the next.
+const PICTURE_EVERY: usize = 2;
+/// Half the duration of a sweep, seconds.
+const MIDDLE_S: f32 = 0.05;
+/// At each pose of the tour: five sweeps and a little more, seconds.
+const DWELL_S: f32 = 0.6;
+/// Between survey and tour, seconds.
+const PAUSE_S: f32 = 20.0;
+/// Cubes of the clouds, metres.
+const CUBE_M: f32 = 0.03;
+/// The floor of simulated buildings.
+const FLOOR_M: f32 = 0.0;
+
+/// What one round left.
+#[derive(Clone, Copy, Debug)]
+pub struct Round {
+    /// Poses of the tour that was driven before; 0 for the survey.
+    pub stops: usize,
+    /// Floor below what was removed, and how much of it was seen.
+    pub areas: AreaCount,
+    /// By labels of all returns so far.
+    pub score: Score,
+    /// People that were seen in the newest drive.
+    pub seen: usize,
+}
+
+/// A building and who is in it.
+pub struct Revisited {
+    building: Building,
+    people: Vec<Walker>,
+    drives: Vec<(Drive, Track)>,
+    seed: u64,
+}
+
+/// Clouds of the last round.
+pub struct RevisitClouds {
+    /// What stays.
+    pub kept: Vec<Point3>,
+    /// What was removed.
+    pub removed: Vec<Point3>,
+    /// Kept points over floor that people had hidden.
+    pub filled: Vec<Point3>,
+}
+
+impl Revisited {
+    /// A random building; half of the people walk, the others stand through the survey and leave before or during the tours.
+    #[must_use]
+    pub fn new(seed: u64, rooms: usize, count: usize) -> Self {
+        let mut chance = Chance(seed);
+        let building = Building::random(&mut chance, rooms);
+        let drive = Drive::new(&building.route(), 0.0);
+        let end_s = drive.end_s();
+        let walkers = count / 2;
+        let mut all = people(&building, walkers, 4.0 * end_s, &mut chance);
+        all.extend((walkers..count).map(|_| {
+            let leaves_s = end_s + chance.between(0.2, 1.5) * PAUSE_S;
+            standing(&building, leaves_s, &mut chance)
+        }));
+        let track = drive.track();
+        Self { building, people: all, drives: vec![(drive, track)], seed }
+    }
+
+    /// A short stretch of corridor; a person stands in it all through the survey and leaves before the tour.
+    #[must_use]
+    pub fn short() -> Self {
+        let building = Building::random(&mut Chance(1), 1);
+        let drive = Drive::new(&[[1.0, 0.0], [2.2, 0.0]], 0.0);
+        let leaves_s = drive.end_s() + 1.0;
+        let person = Walker { course: vec![[-1.0, 4.6, 0.5], [leaves_s, 4.6, 0.5]], height_m: 1.75 };
+        let track = drive.track();
+        Self { building, people: vec![person], drives: vec![(drive, track)], seed: 9 }
+    }
+
+    /// Surveys and drives the tours; ends earlier once nobody was seen in the newest drive.
+    ///
+    /// # Panics
+    /// Never: the edge of the voxels is a valid one.
+    pub fn run(&mut self) -> (Vec<Round>, RevisitClouds) {
+        let mut rounds = Vec::new();
+        let mut stops = 0;
+        loop {
+            let (round, clouds, sightings) = self.cleaned(stops);
+            let is_done = round.seen == 0 || rounds.len() == ROUNDS;
+            rounds.push(round);
+            if is_done {
+                return (rounds, clouds);
+            }
+            stops = self.drive_tour(&sightings);
+        }
+    }
+
+    /// Drives to where people were seen from in the newest drive, by the corridor; answers how many poses that are.
+    fn drive_tour(&mut self, sightings: &[Sighting]) -> usize {
+        let Some([time_s, x, y, heading]) = self.drives.last().map(|(drive, _)| drive.last()) else {
+            return 0;
+        };
+        let tour = revisits(sightings, Pose2::new(x, y, heading), RevisitRule::default(), |_| true);
+        let mut drive = Drive::begin([x, y, heading], time_s + PAUSE_S);
+        for stop in &tour {
+            let [_, x, y, _] = drive.last();
+            if (stop.x_m - x).hypot(stop.y_m - y) > 0.3 {
+                drive.go_to([x, 0.0]);
+                drive.go_to([stop.x_m, 0.0]);
+                drive.go_to([stop.x_m, stop.y_m]);
+            }
+            drive.face(stop.heading_rad);
+            drive.wait(DWELL_S);
+        }
+        let track = drive.track();
+        self.drives.push((drive, track));
+        tour.len()
+    }
+
+    /// All drives so far, cleaned together; people that the newest of them saw.
+    fn cleaned(&self, stops: usize) -> (Round, RevisitClouds, Vec<Sighting>) {
+        let mut cleaner = Cleaner::new(&CleanConfig::vlp16()).expect("voxels of 0.1 m");
+        let mut of_drives = Vec::new();
+        for number in 0..self.drives.len() {
+            of_drives.push(self.observe(number, &mut cleaner));
+        }
+        let (mut kept, mut removed) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
+        let mut score = Score::default();
+        for (number, (drive, track)) in self.drives.iter().enumerate() {
+            // Who stood there in one drive may be gone in the next: boxes count for their own drive.
+            let boxes = boxes(of_drives[number].sightings().entries());
+            let mut verdicts = Vec::new();
+            self.survey(drive).for_each(self.seed + number as u64, |labelled| {
+                let _ = cleaner.judge(&labelled.sweep, track, &mut verdicts);
+                let points = cleaner.points_in_map().iter().zip(&verdicts).zip(&labelled.labels);
+                for ((point, verdict), label) in points {
+                    let is_removed = *verdict == PointVerdict::Moved || boxes.contains(*point);
+                    score.enter(*label > 0, is_removed);
+                    if is_removed { removed.enter(*point) } else { kept.enter(*point) }
+                }
+            });
+        }
+        let mut areas = RemovedAreas::new(removed.points().iter().copied(), FLOOR_M);
+        areas.see(kept.points().iter().copied());
+        let newest = of_drives.pop().map(|images| images.sightings().entries().to_vec()).unwrap_or_default();
+        let clouds = RevisitClouds {
+            filled: areas.filled_points(kept.points()),
+            kept: kept.points().to_vec(),
+            removed: removed.points().to_vec(),
+        };
+        (Round { stops, areas: areas.count(), score, seen: newest.len() }, clouds, newest)
+    }
+
+    fn survey<'a>(&'a self, drive: &'a Drive) -> Survey<'a> {
+        Survey { building: &self.building, people: &self.people, drive }
+    }
+
+    /// First pass of a drive, with its pictures.
+    fn observe(&self, number: usize, cleaner: &mut Cleaner) -> PeopleInImages {
+        let (drive, track) = &self.drives[number];
+        let mut chance = Chance(self.seed ^ (number as u64 + 77));
+        let times = drive.sweep_starts().step_by(PICTURE_EVERY).map(|start_s| start_s + MIDDLE_S);
+        let scene = (&self.building, &self.people[..]);
+        let pictures = times.map(|time_s| picture(scene, drive, time_s, &mut chance)).collect();
+        let mut images = PeopleInImages::new(camera(), pictures, PositionMethod::DepthMode)
+            .expect("pictures of one size, in order");
+        self.survey(drive).for_each(self.seed + number as u64, |labelled| {
+            cleaner.observe(&labelled.sweep, track);
+            let middle_s = labelled.sweep.start_s + 0.5 * labelled.sweep.duration_s();
+            images.enter(middle_s, cleaner.points_in_map(), track);
+        });
+        images
+    }
+}
+
+fn boxes(sightings: &[Sighting]) -> BoxIndex {
+    let around = |seen: &Sighting| RemovalBox::around(seen.person_in_map, FLOOR_M, RemovalSize::default());
+    BoxIndex::new(&sightings.iter().map(around).collect::<Vec<_>>())
+}

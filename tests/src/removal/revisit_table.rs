@@ -1,0 +1,84 @@
+//! The table of the tours: what each round left.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use floorguard_mapping_host::output::{CloudPage, cloud_page};
+
+use super::revisit::{Revisited, Round};
+
+/// Seed of the buildings.
+const SEED: u64 = 4_711;
+/// Share of the floor below people that is seen at the end.
+const FILLED: f32 = 0.95;
+/// Share of people's returns that are removed.
+const REMOVED: f64 = 0.98;
+
+/// Runs the experiment with so many random buildings, prints the table and writes it and two pages into `folder`. True if all
+/// holes are filled and the people gone.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn people_revisits(trials: u64, folder: &Path) -> anyhow::Result<(String, bool)> {
+    std::fs::create_dir_all(folder)?;
+    let mut table = String::new();
+    let holds = tours(trials, folder, &mut table)?;
+    println!("{table}");
+    std::fs::write(folder.join("revisits.md"), &table)?;
+    Ok((table, holds))
+}
+
+/// Surveys and tours: the office, the conference room with its corridor, and so many random buildings. True if all holes are
+/// filled and the people gone.
+///
+/// # Errors
+/// The folder takes no page.
+fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool> {
+    *table += "| building | round | poses of the tour | floor below people, m² | of it seen, % | people removed, % | static kept, % |\n\
+               |---|---|---|---|---|---|---|\n";
+    let mut holds = true;
+    let mut filled = Vec::new();
+    let named = [("office, 1 person".to_owned(), 1, 1), ("conference room, 3 people".to_owned(), 2, 3)];
+    let random = (0..trials).map(|trial| {
+        let (rooms, count) = (2 + trial as usize % 4, 1 + trial as usize % 10);
+        (format!("random building {trial}: {rooms} rooms, {count} people"), rooms, count)
+    });
+    for (number, (name, rooms, count)) in named.into_iter().chain(random).enumerate() {
+        let (rounds, clouds) = Revisited::new(SEED + number as u64, rooms, count).run();
+        rounds.iter().enumerate().for_each(|(round, each)| row(table, (&name, round), each));
+        if let Some(last) = rounds.last() {
+            filled.push(last.areas.filled_share());
+            holds &= last.areas.filled_share() >= FILLED && last.score.dynamic_accuracy() >= REMOVED;
+        }
+        if number < 2 {
+            let page = cloud_page(&CloudPage {
+                title: &name,
+                figures: &[],
+                kept: &clouds.kept,
+                removed: &clouds.removed,
+                filled: &clouds.filled,
+                floor_m: 0.0,
+            });
+            std::fs::write(folder.join(if number == 0 { "office.html" } else { "conference.html" }), page)?;
+        }
+    }
+    filled.sort_by(f32::total_cmp);
+    let (worst, median) = (filled[0], filled[filled.len() / 2]);
+    let _ =
+        writeln!(table, "\nfilled at the end: worst {:.1} %, median {:.1} %", 100.0 * worst, 100.0 * median);
+    Ok(holds)
+}
+
+fn row(table: &mut String, (name, round): (&str, usize), each: &Round) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        table,
+        "| {name} | {round} | {} | {:.2} | {:.1} | {:.2} | {:.3} |",
+        each.stops,
+        each.areas.removed_m2,
+        100.0 * each.areas.filled_share(),
+        100.0 * each.score.dynamic_accuracy(),
+        100.0 * each.score.static_accuracy()
+    );
+    println!("{name}, round {round}: {each:?}");
+}
