@@ -1,11 +1,16 @@
 //! Maps a building in space out of the sweeps of a spinning lidar: trajectory, surfaces as a cloud, files for other tools.
 
+mod closing;
 mod cloud;
 mod export;
+mod las;
 mod mapper;
+mod patches;
 mod sweep;
 
+pub use closing::{KeySweep, SmallPoints, SpaceCloser, SpaceCloserConfig, SpaceCloserCounters};
 pub use cloud::{CloudPoint, SurfaceCloud};
 pub use export::{Colour, pcd, ply};
+pub use las::{LasError, las};
 pub use mapper::{Mapper3, Mapper3Config, Mapper3Counters};
 pub use sweep::{SweepRecord, sweep_times};

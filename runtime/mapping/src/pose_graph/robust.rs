@@ -82,7 +82,7 @@ pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<Rob
 }
 
 /// Weight of a squared error under the truncated square at a stage of the control (Yang et al. 2020, equation 14).
-fn truncated_weight(chi2: f64, limit: f64, control: f64) -> f64 {
+pub(super) fn truncated_weight(chi2: f64, limit: f64, control: f64) -> f64 {
     let upper = (control + 1.0) / control * limit;
     let lower = control / (control + 1.0) * limit;
     if chi2 >= upper {
