@@ -53,7 +53,8 @@ pub struct MapArguments {
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Example: floorguard map3d drive.pcap.gz --out maps/hall3d")]
 pub struct Map3dArguments {
-    /// Captures of a spinning lidar (.pcap, .pcapng), packed or not. Several are the parts of one drive, in their order.
+    /// Captures of a spinning lidar (.pcap, .pcapng), or recordings of `--record` and ROS 2 bags with PointCloud2 (.mcap);
+    /// packed or not. Several are the parts of one drive, in their order.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of the map; a former map in it is replaced once the new one is whole.
@@ -65,6 +66,12 @@ pub struct Map3dArguments {
     /// The lidar stands upright on a level floor: height, roll and pitch stay those of the first sweep.
     #[arg(long)]
     pub level_floor: bool,
+    /// Do not use wheels and gyroscope of the recording: the returns alone.
+    #[arg(long)]
+    pub lidar_alone: bool,
+    /// Do not close loops: the odometry alone.
+    #[arg(long)]
+    pub without_loops: bool,
     /// Edge of a cube of the cloud, metres; each cube becomes one point.
     #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
     pub cell_m: f64,

@@ -15,4 +15,4 @@ pub(crate) use findings::say_findings;
 pub(crate) use frame_tree::{FrameTree, flat, is_base};
 pub use inspect::{InspectArguments, run as inspect};
 pub use replay::run as replay;
-pub(crate) use replay::{MCAP_MAGIC, is_capture, is_log, not_for_us};
+pub(crate) use replay::{MCAP_MAGIC, cloud_number, is_capture, is_log, not_for_us};

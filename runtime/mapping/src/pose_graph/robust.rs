@@ -63,7 +63,7 @@ pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<Rob
         for (edge, weight) in graph.edges.iter().zip(&mut weights) {
             if is_loop(edge) {
                 *weight = truncated_weight(graph.edge_chi2(edge), limit, control);
-                undecided += usize::from(*weight > 1.0e-3 && *weight < 0.999);
+                undecided += usize::from(*weight > 0.0 && *weight < 0.999);
             }
         }
         optimise_with(&mut system, graph, &weights, &config.round)?;

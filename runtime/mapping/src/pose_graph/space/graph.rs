@@ -57,7 +57,7 @@ impl SpaceGraph {
             let mut undecided = 0;
             for (edge, weight) in self.edges.iter().zip(&mut weights).filter(|(edge, _)| is_loop(edge)) {
                 *weight = truncated_weight(self.edge_chi2(edge), limit, control);
-                undecided += usize::from(*weight > 1.0e-3 && *weight < 0.999);
+                undecided += usize::from(*weight > 0.0 && *weight < 0.999);
             }
             self.optimise_with(&mut system, &weights, &config.round)?;
             if undecided == 0 && round > 2 {
