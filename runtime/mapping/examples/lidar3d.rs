@@ -8,9 +8,10 @@ use std::path::Path;
 use floorguard_mapping::lidar_odometry::{
     FloorPrior, Gaussian3, MotionAid, OdometryConfig, SweepOutcome, SweepReturn, WheelSpeed,
 };
+use floorguard_mapping_host::lego_loam::{LegoLoam, LegoLoamConfig, StepSolver};
 use floorguard_mapping_host::lidar3d::{Mapper3, Mapper3Config, SpaceCloserConfig, SweepRecord};
 use floorguard_mapping_host::metrics::{ErrorStatistics, TimedPose, absolute_errors, associate};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 fn sweeps(path: &Path) -> Vec<Vec<SweepReturn>> {
     let mut bytes = Vec::new();
@@ -80,7 +81,7 @@ fn settings() -> OdometryConfig {
             "standing" => config.entering.standing = v as u32,
             "hand" => config.noise = floorguard_mapping::lidar_odometry::MotionNoise::hand_held(),
             "floor" => config.floor = Some(FloorPrior::default()),
-            "wheels" | "gyroscope" | "open" => {}
+            "wheels" | "gyroscope" | "open" | "lego" | "damped" => {}
             _ => panic!("{name}"),
         }
     }
@@ -125,7 +126,35 @@ fn aid(path: &(Vec<Vec<f64>>, Vec<Vec<f64>>), time: [f64; 2]) -> MotionAid {
     MotionAid { wheels, gyroscope: rate.map(|rate| gaussian([rate[0], rate[1], rate[2]], 0.01)) }
 }
 
+/// LeGO-LOAM as published, or with its steps solved to their ends.
+fn run_lego(path: &Path) {
+    let solver = if is_set("damped") { StepSolver::Damped } else { StepSolver::Published };
+    let mut loam = LegoLoam::new(LegoLoamConfig { solver, ..LegoLoamConfig::default() });
+    let truth = truth(path);
+    let (mut cpu, mut result, mut odometry) = (0.0, Vec::new(), Vec::new());
+    let all = sweeps(path);
+    for (index, sweep) in all.iter().enumerate() {
+        let end_s = truth.get(index).map_or(0.1 * (index + 1) as f64, |pose| pose.time_s);
+        let began = cpu_s();
+        let outcome = loam.push(sweep, end_s);
+        cpu += cpu_s() - began;
+        for (poses, pose) in [(&mut result, &outcome.pose), (&mut odometry, &outcome.odometry)] {
+            let [x, y, z, w] = pose.quaternion();
+            let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+            poses.push(TimedPose { time_s: end_s, place_m: pose.place_m, rotation });
+        }
+    }
+    let cpu = 1e3 * cpu / all.len() as f64;
+    print!("{} LeGO-LOAM cpu {cpu:.2} ms keys {}", path.display(), loam.keys());
+    conclude(&truth, &result);
+    print!("  odometry alone");
+    conclude(&truth, &odometry);
+}
+
 fn run(path: &Path) {
+    if is_set("lego") {
+        return run_lego(path);
+    }
     let closing = (!is_set("open")).then(SpaceCloserConfig::default);
     let config = Mapper3Config { odometry: settings(), cloud_m: 1.0e4, closing, ..Mapper3Config::default() };
     let mut mapper = Mapper3::new(config);

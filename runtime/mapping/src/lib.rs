@@ -6,6 +6,7 @@ pub mod clean;
 pub mod front_end;
 pub mod grid_map;
 pub mod input;
+pub mod lego_loam;
 pub mod lidar3d;
 pub mod localise;
 pub mod loops;

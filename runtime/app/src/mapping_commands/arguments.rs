@@ -63,6 +63,9 @@ pub struct Map3dArguments {
     /// Which lidar made the captures.
     #[arg(long, default_value = "auto")]
     pub model: ModelArgument,
+    /// How it is mapped.
+    #[arg(long, default_value = "ours")]
+    pub method: MethodArgument,
     /// The lidar stands upright on a level floor: height, roll and pitch stay those of the first sweep.
     #[arg(long)]
     pub level_floor: bool,
@@ -84,6 +87,16 @@ pub struct Map3dArguments {
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+/// How a drive is mapped in space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MethodArgument {
+    /// Sweeps onto planes, straightened as the sensor moved; wheels, gyroscope, loops.
+    #[default]
+    Ours,
+    /// LeGO-LOAM (Shan and Englot 2018) as published, for lidars of 16 lasers; the returns alone.
+    LegoLoam,
 }
 
 /// What the colour of a cloud shows.

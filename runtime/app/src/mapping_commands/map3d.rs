@@ -5,12 +5,15 @@ use std::time::Instant;
 use floorguard_host::outcome::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::words::counted;
 use floorguard_mapping::lidar_odometry::{FloorPrior, MotionAid, OdometryConfig};
-use floorguard_mapping_host::lidar3d::{Colour, Mapper3, Mapper3Config, las, pcd, ply};
+use floorguard_mapping_host::lego_loam::{LegoLoamConfig, LegoMapper};
+use floorguard_mapping_host::lidar3d::{
+    Colour, Mapper3, Mapper3Config, SpaceMap, SpaceMapper, las, pcd, ply,
+};
 use floorguard_mapping_host::metrics::write_tum_in_space;
 use floorguard_mapping_host::output::{MARKER_3D, OutputFile, check_place, replace_folder};
 use serde::Serialize;
 
-use super::arguments::{ColourArgument, Map3dArguments};
+use super::arguments::{ColourArgument, Map3dArguments, MethodArgument};
 use super::input::{SpaceDrive, SweepsRead};
 use super::progress::Progress;
 
@@ -66,19 +69,19 @@ pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
     check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
     let began = Instant::now();
     let drive = SpaceDrive::open(&arguments.files, arguments.model.choice())?;
-    let (mut mapper, read, worked_s) = mapped(&drive, arguments)?;
-    if mapper.counters.sweeps == 0 {
+    let (map, read, worked_s) = mapped(&drive, arguments)?;
+    if map.counters.sweeps == 0 {
         return Err(BadInput("no whole revolution in it: nothing to map".to_owned()).into());
     }
-    let least = if mapper.counters.mapped > 1 { RETURNS_LEAST } else { 1 };
-    let points = mapper.cloud().points(least);
-    let mut summary = summarise(&mapper, &read, points.len());
+    let least = if map.counters.mapped > 1 { RETURNS_LEAST } else { 1 };
+    let points = map.cloud.points(least);
+    let mut summary = summarise(&map, &read, points.len());
     summary.notes.extend(drive.notes.iter().cloned());
-    [summary.with_wheels, summary.with_gyroscope] = drive.aids.are_there().map(|is| is && !arguments.lidar_alone);
+    [summary.with_wheels, summary.with_gyroscope] = drive.aids.are_there().map(|is| is && arguments.uses_aids());
     (summary.took_s, summary.ms_per_sweep) =
-        (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / mapper.counters.sweeps.max(1) as f64);
+        (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / map.counters.sweeps.max(1) as f64);
     let files = [
-        OutputFile::new("trajectory.tum", write_tum_in_space(&mapper.trajectory())),
+        OutputFile::new("trajectory.tum", write_tum_in_space(&map.trajectory)),
         OutputFile::new("cloud.ply", ply(&points, arguments.colour.into())),
         OutputFile::new("cloud.pcd", pcd(&points)),
         OutputFile::new("cloud.las", las(&points, arguments.colour.into())?),
@@ -89,25 +92,35 @@ pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
 }
 
 /// Runs the drive through the mapper; and the seconds that the mapper took.
-fn mapped(drive: &SpaceDrive, arguments: &Map3dArguments) -> anyhow::Result<(Mapper3, SweepsRead, f64)> {
-    let mut mapper = Mapper3::new(config(arguments));
+fn mapped(drive: &SpaceDrive, arguments: &Map3dArguments) -> anyhow::Result<(SpaceMap, SweepsRead, f64)> {
+    let mut mapper: Box<dyn SpaceMapper> = match arguments.method {
+        MethodArgument::Ours => Box::new(Mapper3::new(config(arguments))),
+        MethodArgument::LegoLoam => {
+            Box::new(LegoMapper::new(LegoLoamConfig::default(), arguments.cell_m as f32))
+        }
+    };
     let progress = Progress::new(drive.sweeps);
     let mut worked_s = 0.0;
     let unsolvable = |error: &dyn std::fmt::Display| BadInput(format!("the graph cannot be solved: {error}"));
     let read = drive.read(&mut |sweep, aid| {
         progress.count();
         let start = Instant::now();
-        let aid = if arguments.lidar_alone { MotionAid::default() } else { aid };
-        mapper.push(sweep, &aid).map_err(|error| unsolvable(&error))?;
+        let aid = if arguments.uses_aids() { aid } else { MotionAid::default() };
+        mapper.take(sweep, &aid).map_err(|error| unsolvable(&error))?;
         worked_s += start.elapsed().as_secs_f64();
         Ok(())
     });
     progress.phase("closing the last loops");
-    let finished = mapper.finish().map_err(|error| unsolvable(&error));
+    let map = mapper.conclude().map_err(|error| unsolvable(&error));
     progress.finish();
-    let read = read?;
-    finished?;
-    Ok((mapper, read, worked_s))
+    Ok((map?, read?, worked_s))
+}
+
+impl Map3dArguments {
+    /// Wheels and gyroscope help, where the recording has them.
+    fn uses_aids(&self) -> bool {
+        !self.lidar_alone && self.method == MethodArgument::Ours
+    }
 }
 
 fn config(arguments: &Map3dArguments) -> Mapper3Config {
@@ -119,14 +132,12 @@ fn config(arguments: &Map3dArguments) -> Mapper3Config {
     Mapper3Config { odometry, cloud_m: arguments.cell_m as f32, closing, ..usual }
 }
 
-fn summarise(mapper: &Mapper3, read: &SweepsRead, cloud_points: usize) -> Map3dSummary {
-    let trajectory = mapper.trajectory();
-    let loops = mapper.closer().map(|closer| (closer.counters(), closer.believed()));
-    let (closing, loops_believed) = loops.unwrap_or_default();
+fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSummary {
+    let trajectory = &map.trajectory;
     let path = trajectory.windows(2).map(|pair| (pair[1].place_m - pair[0].place_m).norm());
     let ends = trajectory.first().zip(trajectory.last());
-    let counters = mapper.counters;
-    let [cubes, cubes_replaced] = mapper.cubes();
+    let counters = map.counters;
+    let [cubes, cubes_replaced] = map.cubes;
     let mut summary = Map3dSummary {
         verdict: "good",
         doubts: Vec::new(),
@@ -142,9 +153,9 @@ fn summarise(mapper: &Mapper3, read: &SweepsRead, cloud_points: usize) -> Map3dS
         path_m: path.sum(),
         with_wheels: false,
         with_gyroscope: false,
-        loops_closed: closing.closed,
-        loops_believed,
-        loops_refused: closing.refused,
+        loops_closed: map.loops.closed,
+        loops_believed: map.loops_believed,
+        loops_refused: map.loops.refused,
         displacement_m: ends.map_or(0.0, |(first, last)| (last.place_m - first.place_m).norm()),
         turned_deg: ends.map_or(0.0, |(first, last)| first.rotation.angle_to(&last.rotation).to_degrees()),
         cloud_points,

@@ -1,4 +1,4 @@
-//! Clouds as LAS files (ASPRS 2013, LAS 1.4 and before): version 1.2, points of format 3, millimetres.
+//! Clouds as LAS files (ASPRS 2013): version 1.2, points of format 3, millimetres.
 
 use std::io::Cursor;
 

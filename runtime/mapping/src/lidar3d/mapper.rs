@@ -8,6 +8,7 @@ use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
 use super::closing::{KeySweep, SmallPoints, SpaceCloser, SpaceCloserConfig};
 use super::cloud::SurfaceCloud;
 use super::patches::Patches;
+use super::space_map::{SpaceMap, SpaceMapper};
 use super::sweep::{SweepRecord, sweep_times};
 use crate::metrics::TimedPose;
 use crate::pose_graph::Unsolvable;
@@ -250,7 +251,26 @@ impl Mapper3 {
     }
 }
 
-fn timed_pose(time_s: f64, pose: &Pose3) -> TimedPose {
+impl SpaceMapper for Mapper3 {
+    fn take(&mut self, sweep: SweepRecord, aid: &MotionAid) -> Result<(), Unsolvable> {
+        self.push(sweep, aid).map(|_| ())
+    }
+
+    fn conclude(&mut self) -> Result<SpaceMap, Unsolvable> {
+        self.finish()?;
+        Ok(SpaceMap {
+            trajectory: self.trajectory(),
+            cloud: self.cloud(),
+            counters: self.counters,
+            cubes: self.cubes(),
+            loops: self.closer.as_ref().map(SpaceCloser::counters).unwrap_or_default(),
+            loops_believed: self.closer.as_ref().map_or(0, SpaceCloser::believed),
+        })
+    }
+}
+
+/// A pose with its time, in the form of the metrics.
+pub(crate) fn timed_pose(time_s: f64, pose: &Pose3) -> TimedPose {
     let [x, y, z, w] = pose.quaternion();
     let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
     TimedPose { time_s, place_m: pose.place_m, rotation }

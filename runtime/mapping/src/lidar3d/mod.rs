@@ -6,11 +6,14 @@ mod export;
 mod las;
 mod mapper;
 mod patches;
+mod space_map;
 mod sweep;
 
 pub use closing::{KeySweep, SmallPoints, SpaceCloser, SpaceCloserConfig, SpaceCloserCounters};
 pub use cloud::{CloudPoint, SurfaceCloud};
 pub use export::{Colour, pcd, ply};
 pub use las::{LasError, las};
+pub(crate) use mapper::timed_pose;
 pub use mapper::{Mapper3, Mapper3Config, Mapper3Counters};
+pub use space_map::{SpaceMap, SpaceMapper};
 pub use sweep::{SweepRecord, sweep_times};

@@ -44,8 +44,11 @@ pub struct SpaceCloser {
     recognised: usize,
 }
 
-/// Key sweeps around a place that are laid onto the map of the other, at most.
+/// Key sweeps around a place that its map is made of, and that are laid onto the map of the other, at most.
+const MAPPED: usize = 12;
 const QUERIES: usize = 4;
+/// Points that are laid onto a map, about.
+const POINTS: usize = 4_000;
 
 impl SpaceCloser {
     /// Nothing yet.
@@ -129,9 +132,12 @@ impl SpaceCloser {
     /// A recognised place in space: the points of one around those of the other.
     fn measure(&self, edge: &Edge) -> Option<SpaceEdge> {
         let (from, to) = (self.stretch_of(edge.from)?, self.stretch_of(edge.to)?);
-        let map = LocalMap::new(from.flat_map(|key| self.seen_from(key, edge.from)));
-        let step = (to.len() / QUERIES).max(1);
-        let points: Vec<_> = to.step_by(step).flat_map(|key| self.seen_from(key, edge.to)).collect();
+        let step = from.len().div_ceil(MAPPED).max(1);
+        let map = LocalMap::new(from.step_by(step).flat_map(|key| self.seen_from(key, edge.from)));
+        let step = to.len().div_ceil(QUERIES).max(1);
+        let mut points: Vec<_> = to.step_by(step).flat_map(|key| self.seen_from(key, edge.to)).collect();
+        let step = (points.len() / POINTS).max(1);
+        points = points.into_iter().step_by(step).collect();
         let guesses = self.guesses(edge);
         let measured = guesses.iter().filter_map(|start| map.measure(&points, start));
         let best = measured.max_by(|a, b| a.share.total_cmp(&b.share))?;
