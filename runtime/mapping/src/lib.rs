@@ -16,5 +16,7 @@ pub mod output;
 pub mod pose_graph;
 pub mod refine;
 mod se2;
+mod turn;
 
 pub use se2::Se2;
+pub use turn::{turn_about, turn_angle_rad, turn_vector};

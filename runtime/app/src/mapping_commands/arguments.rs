@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
+use floorguard_mapping_host::grid_map::Zone;
 
 use super::input::InputOptions;
 use crate::recordings::ModelArgument;
@@ -26,15 +27,23 @@ pub struct DriveArguments {
 
 /// What to map.
 #[derive(Clone, Debug, Args)]
-#[command(after_help = "Example: floorguard map drive.mcap --out maps/hall")]
+#[command(
+    after_help = "Examples: floorguard map drive.mcap --out maps/hall\n          \
+                  floorguard map edit maps/hall --to-walls --no-go 3,1;5,1;5,4 --out maps/hall-edited",
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true
+)]
 pub struct MapArguments {
+    /// Change a finished map.
+    #[command(subcommand)]
+    pub task: Option<MapTask>,
     /// Recordings of `--record` and ROS 2 bags with LaserScan (.mcap), or CARMEN logs (.clf, .log); packed or not. Several
     /// are the parts of one drive, in their order.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of the map; a former map in it is replaced once the new one is whole.
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "DIR", required = true)]
+    pub out: Option<PathBuf>,
     /// Which scans.
     #[command(flatten)]
     pub drive: DriveArguments,
@@ -48,6 +57,47 @@ pub struct MapArguments {
     #[arg(long)]
     pub json: bool,
 }
+
+/// What else is done with maps.
+#[derive(Clone, Debug, Subcommand)]
+pub enum MapTask {
+    /// Crop a map, turn it to its walls, erase what was there by chance, mark zones that are not driven.
+    Edit(MapEditArguments),
+}
+
+/// Which changes, made in this order: turned, cropped, erased, forgotten, closed. Places are in metres of the map as it is
+/// after the turn.
+#[derive(Clone, Debug, Args)]
+pub struct MapEditArguments {
+    /// A folder of `floorguard map`, a ROS map_server map (.yaml), or a bare picture of 0.05 m a pixel.
+    pub map: PathBuf,
+    /// The folder of the changed map; a former map in it is replaced once the new one is whole.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Turn the map about its origin so that most walls run along its axes.
+    #[arg(long, conflicts_with = "turn_deg")]
+    pub to_walls: bool,
+    /// Turn the map counter-clockwise about its origin, degrees.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = turn)]
+    pub turn_deg: Option<f64>,
+    /// Keep only what lies between two corners: `X1,Y1,X2,Y2`.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub crop: Option<Corners>,
+    /// Make the floor between two corners free, as where a trolley stood: `X1,Y1,X2,Y2`. May be repeated.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub erase: Vec<Corners>,
+    /// Make what lies between two corners unknown. May be repeated.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub forget: Vec<Corners>,
+    /// A zone that is not driven: `X,Y;X,Y;X,Y…`. It becomes unknown floor, which no plan of ours enters, and is drawn in
+    /// `no_go.yaml`, a keepout mask as nav2 takes it. May be repeated.
+    #[arg(long, value_name = "POLYGON", allow_hyphen_values = true, value_parser = polygon)]
+    pub no_go: Vec<Zone>,
+}
+
+/// Two corners of a rectangle, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corners(pub [[f64; 2]; 2]);
 
 /// What to map in space.
 #[derive(Clone, Debug, Args)]
@@ -188,4 +238,25 @@ fn range(text: &str) -> Result<f64, String> {
 
 fn length(text: &str) -> Result<f64, String> {
     number(text, 1.0e-6, 1.0e6, "metres")
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    number(text, -180.0, 180.0, "degrees")
+}
+
+fn places(text: &str) -> Option<Vec<f64>> {
+    text.split([',', ';']).map(|word| word.trim().parse::<f64>().ok().filter(|value| value.is_finite())).collect()
+}
+
+fn corners(text: &str) -> Result<Corners, String> {
+    let numbers = places(text);
+    let four = numbers.as_deref().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    let [x1, y1, x2, y2] = four.ok_or("give X1,Y1,X2,Y2, metres")?;
+    Ok(Corners([[x1, y1], [x2, y2]]))
+}
+
+fn polygon(text: &str) -> Result<Zone, String> {
+    let numbers = places(text).filter(|numbers| numbers.len() >= 6 && numbers.len() % 2 == 0);
+    let numbers = numbers.ok_or("give three corners or more: X,Y;X,Y;X,Y, metres")?;
+    Ok(Zone(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
 }

@@ -11,6 +11,7 @@ use floorguard_mapping_host::lidar3d::{
 };
 use floorguard_mapping_host::metrics::write_tum_in_space;
 use floorguard_mapping_host::output::{MARKER_3D, OutputFile, check_place, replace_folder};
+use floorguard_mapping_host::turn_angle_rad;
 use serde::Serialize;
 
 use super::arguments::{ColourArgument, Map3dArguments, MethodArgument};
@@ -157,7 +158,7 @@ fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSum
         loops_believed: map.loops_believed,
         loops_refused: map.loops.refused,
         displacement_m: ends.map_or(0.0, |(first, last)| (last.place_m - first.place_m).norm()),
-        turned_deg: ends.map_or(0.0, |(first, last)| first.rotation.angle_to(&last.rotation).to_degrees()),
+        turned_deg: ends.map_or(0.0, |(first, last)| turn_angle_rad(&first.rotation.rotation_to(&last.rotation)).to_degrees()),
         cloud_points,
         cubes,
         cubes_replaced,

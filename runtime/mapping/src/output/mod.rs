@@ -9,7 +9,7 @@ mod submaps;
 mod top_view;
 
 pub use cloud::{cloud_pcd, cloud_ply};
-pub use files::{OutputFile, map_files};
+pub use files::{OutputFile, map_files, map_server_files};
 pub use folder::{MARKER, MARKER_3D, ReplaceError, check_place, replace_folder};
 pub use map_server::{pgm, yaml};
 pub use picture::{Picture, draw};
