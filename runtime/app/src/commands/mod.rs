@@ -23,6 +23,7 @@ mod learn;
 mod live;
 mod live_camera;
 #[cfg(feature = "laboratory")]
+mod map_here;
 mod mission;
 mod panel;
 mod report;

@@ -17,7 +17,8 @@ use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::panel::open_panel;
 use super::run_lesson::RunLesson;
-use super::values::{command_address, goal, panel_address, simulated_seconds};
+use super::map_here::MapHere;
+use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
@@ -86,6 +87,9 @@ pub struct SimulateArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// The drive as a map.
+    #[command(flatten)]
+    pub map_here: MapHere,
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
@@ -143,6 +147,10 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         }
         return Ok(());
     }
+    arguments.map_here.drive(arguments.record.as_deref(), |record| simulate(arguments, record.as_deref()))
+}
+
+fn simulate(arguments: &SimulateArguments, record: Option<&Path>) -> anyhow::Result<()> {
     let mut plan = plan(arguments)?;
     let real_io = arguments.real_io || plan.command.is_some();
     if arguments.tape.is_some() {
@@ -160,8 +168,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let lesson = arguments.learn.as_deref();
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
-    let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_sinks(&mut sinks, &plan, (record, panel, real_io))?;
+    open_sinks(&mut sinks, &plan, (record, arguments.panel, real_io))?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
@@ -286,18 +293,6 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
 fn meant(name: &str) -> String {
     let names: Vec<&str> = Scenario::names().collect();
     did_you_mean(name, &names).map(|meant| format!("; {meant}")).unwrap_or_default()
-}
-
-/// `20..25`, seconds.
-fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
-    let micros = |part: &str| {
-        part.parse::<f64>().ok().filter(|s| *s >= 0.0 && s.is_finite()).map(|s| (s * 1.0e6) as u64)
-    };
-    let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
-    span.filter(|(from, to)| from < to).ok_or_else(|| {
-        WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
-            .into()
-    })
 }
 
 /// A recording and a panel, where they are wanted.

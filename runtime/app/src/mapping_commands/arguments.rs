@@ -8,6 +8,10 @@ use floorguard_mapping_host::grid_map::Zone;
 use super::input::InputOptions;
 use crate::recordings::ModelArgument;
 
+/// Usual edge of a cell, and usual range, metres.
+const CELL_M: f64 = 0.05;
+const RANGE_M: f64 = 30.0;
+
 /// Files of a drive, and which part of them.
 #[derive(Clone, Debug, Args)]
 pub struct DriveArguments {
@@ -48,10 +52,10 @@ pub struct MapArguments {
     #[command(flatten)]
     pub drive: DriveArguments,
     /// Edge of a cell of the map, metres.
-    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
+    #[arg(long, value_name = "M", default_value_t = CELL_M, value_parser = cell)]
     pub cell_m: f64,
     /// Farther returns are not used, metres.
-    #[arg(long, value_name = "M", default_value_t = 30.0, value_parser = range)]
+    #[arg(long, value_name = "M", default_value_t = RANGE_M, value_parser = range)]
     pub range_m: f64,
     /// The summary as one JSON object on standard output.
     #[arg(long)]
@@ -205,6 +209,14 @@ pub struct SlamArguments {
     /// End with 1 if the mean translation error (of relations) or the root mean square (absolute) is larger, metres.
     #[arg(long, value_name = "M", value_parser = length)]
     pub limit_m: Option<f64>,
+}
+
+impl MapArguments {
+    /// One recording, with the usual values.
+    pub fn of_drive(file: PathBuf, out: PathBuf) -> Self {
+        let drive = DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None };
+        Self { task: None, files: vec![file], out: Some(out), drive, cell_m: CELL_M, range_m: RANGE_M, json: false }
+    }
 }
 
 impl DriveArguments {

@@ -1,4 +1,4 @@
-//! `floorguard map edit` on a map that others made.
+//! `floorguard map edit` on a map that others made, and a map of the simulated robot's own drive.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -8,9 +8,12 @@ use floorguard_mapping::Occupancy;
 use floorguard_robot::site::ros_map;
 use floorguard_types::geometry::Point2;
 
+fn floorguard(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floorguard")).args(arguments).output().expect("the program starts")
+}
+
 fn edit(arguments: &[&str]) -> Output {
-    let program = Command::new(env!("CARGO_BIN_EXE_floorguard")).args(["map", "edit"]).args(arguments).output();
-    program.expect("the program starts")
+    floorguard(&[&["map", "edit"], arguments].concat())
 }
 
 fn state(map: &ros_map::OccupancyMap, x_m: f32, y_m: f32) -> Option<Occupancy> {
@@ -81,4 +84,26 @@ fn published_map_is_turned_to_its_walls() {
         let is_straight = !words.contains("turned") || words.contains("turned by 0.") || words.contains("turned by -0.");
         assert!(expected.is_none() || is_straight, "turned again: {words}");
     }
+}
+
+/// The robot drives its route with wheels that err, and leaves the map of what it passed; the drive can be mapped again.
+#[test]
+fn simulated_drive_leaves_a_map() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (out, again) = (folder.path().join("maps/here"), folder.path().join("again"));
+    let [place, second] = [&out, &again].map(|path| path.to_str().expect("a path"));
+    let drive = ["simulate", "--scenario", "supermarket", "--duration", "25", "--json", "--map-here", place];
+    let output = floorguard(&drive);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let map = ros_map::load(&out.join("map.yaml")).expect("a map of ROS");
+    let free = map.values().iter().filter(|cell| **cell == Occupancy::Free).count();
+    let walls = map.values().iter().filter(|cell| **cell == Occupancy::Occupied).count();
+    assert!(free as f64 * 0.0025 > 20.0 && walls > 300, "{free} {walls}");
+    let recording = folder.path().join("maps/here.mcap");
+    let output = floorguard(&["map", recording.to_str().expect("a path"), "--out", second]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let bytes = |folder: &Path| std::fs::read(folder.join("map.pgm")).expect("a picture");
+    assert!(bytes(&out) == bytes(&again), "the same drive gives the same map");
+    let foreign = folder.path().to_str().expect("a path");
+    assert_eq!(floorguard(&["simulate", "--scenario", "supermarket", "--map-here", foreign]).status.code(), Some(2));
 }
