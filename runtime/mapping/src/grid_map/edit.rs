@@ -189,7 +189,7 @@ mod tests {
             };
             assert_eq!([at(0.0, 0.0), at(5.8, 3.3), at(5.8, -3.3)], [Occupancy::Free; 3]);
             assert_eq!([at(6.3, 0.0), at(0.0, 3.8)], [Occupancy::Unknown; 2]);
-            // The walls have no hole: nobody gets out through neighbouring free cells.
+            // The walls have no hole: no free cell has an unknown neighbour.
             for index in (0..straight.cells.len()).filter(|index| straight.cells[*index] == Occupancy::Free) {
                 let (column, row) = ((index % straight.columns) as i64, (index / straight.columns) as i64);
                 for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {

@@ -12,7 +12,7 @@ use super::selection::select;
 /// A return that is laid onto others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feature {
-    /// Metres in the sensor's frame at its time, or at the end of the sweep where that is said.
+    /// Metres in the sensor's frame at its time, or at its end after straightening.
     pub point: Vector3<f32>,
     /// Which laser, from the lowest.
     pub row: u8,

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn return_of_the_end_stays_and_that_of_the_start_moves() {
+    fn straightened_returns_move_with_their_time() {
         let step =
             SweepStep { angles_rad: Vector3::new(0.01, -0.02, 0.3), step_m: Vector3::new(0.1, 0.05, 0.0) };
         let at = |time_share: f32| Feature { point: Vector3::new(5.0, 1.0, 0.5), row: 3, time_share };

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn segments_go_across_the_seam_and_small_ones_are_marked() {
+    fn segments_go_across_the_seam() {
         // A post of six columns on four rows is kept; one of two columns on two rows is not.
         let wide = labels(6, 4);
         assert_eq!((count(&wide, Label::Kept), count(&wide, Label::Small)), (4 * 80, 0));

@@ -8,7 +8,7 @@ use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
 use super::closing::{KeySweep, SmallPoints, SpaceCloser, SpaceCloserConfig};
 use super::cloud::SurfaceCloud;
 use super::patches::Patches;
-use super::space_map::{SpaceMap, SpaceMapper};
+use super::space_map::{Mapper3Counters, SpaceMap, SpaceMapper};
 use super::sweep::{SweepRecord, sweep_times};
 use crate::metrics::TimedPose;
 use crate::pose_graph::Unsolvable;
@@ -38,21 +38,6 @@ impl Default for Mapper3Config {
             closing: Some(SpaceCloserConfig::default()),
         }
     }
-}
-
-/// What became of the sweeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Mapper3Counters {
-    /// Taken.
-    pub sweeps: u64,
-    /// Left out: not later than the one before.
-    pub not_later: u64,
-    /// Returns that matched too little: the pose is a prediction.
-    pub blind: u64,
-    /// One direction was held by the prediction alone.
-    pub held: u64,
-    /// Entered into the map.
-    pub mapped: u64,
 }
 
 /// Maps a drive. The map is the frame of the sensor at the end of the first sweep.

@@ -14,6 +14,6 @@ pub use cloud::{CloudPoint, SurfaceCloud};
 pub use export::{Colour, pcd, ply};
 pub use las::{LasError, las};
 pub(crate) use mapper::timed_pose;
-pub use mapper::{Mapper3, Mapper3Config, Mapper3Counters};
-pub use space_map::{SpaceMap, SpaceMapper};
+pub use mapper::{Mapper3, Mapper3Config};
+pub use space_map::{Mapper3Counters, SpaceMap, SpaceMapper};
 pub use sweep::{SweepRecord, sweep_times};

@@ -4,10 +4,24 @@ use floorguard_mapping::lidar_odometry::MotionAid;
 
 use super::closing::SpaceCloserCounters;
 use super::cloud::SurfaceCloud;
-use super::mapper::Mapper3Counters;
 use super::sweep::SweepRecord;
 use crate::metrics::TimedPose;
 use crate::pose_graph::Unsolvable;
+
+/// What became of the sweeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mapper3Counters {
+    /// Taken.
+    pub sweeps: u64,
+    /// Left out: not later than the one before.
+    pub not_later: u64,
+    /// Returns that matched too little: the pose is a prediction.
+    pub blind: u64,
+    /// One direction was held by the prediction alone.
+    pub held: u64,
+    /// Entered into the map.
+    pub mapped: u64,
+}
 
 /// A map in space.
 #[derive(Clone, Debug)]

@@ -25,8 +25,8 @@ const ALIKE: f64 = 10.0;
 /// A direction with less than so many times the information of tilted planes is not measured.
 const TIMES_NOISE_LEAST: f64 = 150.0;
 /// No place is measured more exactly: radians and metres, one standard deviation.
-const FLOOR_RAD: f64 = 5.0e-4;
-const FLOOR_M: f64 = 5.0e-3;
+const FLOOR_RAD: f64 = 1.0e-3;
+const FLOOR_M: f64 = 1.0e-2;
 
 /// What was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
