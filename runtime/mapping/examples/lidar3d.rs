@@ -1,17 +1,17 @@
 //! Runs simulated or decoded sweeps (`NAME.bin`, with `NAME.truth` if there is one) through the 3-D odometry and prints its
-//! errors: `lidar3d FILE.bin…`. A sweep is a count (u32) and as many returns of six floats: x, y, z, share of the sweep's
+//! errors: `lidar3d FILE.bin…`; with `NAME.odom.csv` and `NAME.imu.csv` beside it, if `SET` has `wheels` or `gyroscope`. A sweep is a count (u32) and as many returns of six floats: x, y, z, share of the sweep's
 //! time, elevation in degrees, label.
 
 use std::io::Read as _;
 use std::path::Path;
 
 use floorguard_mapping::lidar_odometry::{
-    Bucket, FloorPrior, LidarOdometry, MotionAid, OdometryConfig, SweepOutcome, SweepReturn, SweepTimes,
+    FloorPrior, Gaussian3, MotionAid, OdometryConfig, SweepOutcome, SweepReturn, WheelSpeed,
 };
+use floorguard_mapping_host::lego_loam::{LegoLoam, LegoLoamConfig, StepSolver};
+use floorguard_mapping_host::lidar3d::{Mapper3, Mapper3Config, SpaceCloserConfig, SweepRecord};
 use floorguard_mapping_host::metrics::{ErrorStatistics, TimedPose, absolute_errors, associate};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-
-type Odometry = LidarOdometry<Box<[Bucket]>, 8192>;
 
 fn sweeps(path: &Path) -> Vec<Vec<SweepReturn>> {
     let mut bytes = Vec::new();
@@ -81,6 +81,7 @@ fn settings() -> OdometryConfig {
             "standing" => config.entering.standing = v as u32,
             "hand" => config.noise = floorguard_mapping::lidar_odometry::MotionNoise::hand_held(),
             "floor" => config.floor = Some(FloorPrior::default()),
+            "wheels" | "gyroscope" | "open" | "lego" | "damped" => {}
             _ => panic!("{name}"),
         }
     }
@@ -93,39 +94,104 @@ fn main() {
     }
 }
 
-fn run(path: &Path) {
-    let buckets = 1 << 13;
-    let mut odometry = Odometry::new(vec![Bucket::EMPTY; buckets].into_boxed_slice(), settings());
+fn is_set(name: &str) -> bool {
+    std::env::var("SET").unwrap_or_default().split(',').any(|pair| pair.starts_with(name))
+}
+
+/// Rows of numbers: time, and what was measured then.
+fn rows(path: &Path, kind: &str) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path.with_extension(kind)).unwrap_or_default();
+    let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().unwrap()).collect();
+    text.lines().filter(|line| !line.starts_with('#')).map(numbers).collect()
+}
+
+/// The mean of the rows of a time, of these columns.
+fn mean(rows: &[Vec<f64>], [start, end]: [f64; 2], columns: &[usize]) -> Option<Vec<f64>> {
+    let during: Vec<_> = rows.iter().filter(|row| (start..=end).contains(&row[0])).collect();
+    let mean = |column: &usize| during.iter().map(|row| row[*column]).sum::<f64>() / during.len() as f64;
+    (!during.is_empty()).then(|| columns.iter().map(mean).collect())
+}
+
+fn aid(path: &(Vec<Vec<f64>>, Vec<Vec<f64>>), time: [f64; 2]) -> MotionAid {
+    let (odometry, inertial) = path;
+    let gaussian = |mean: [f64; 3], deviation: f64| Gaussian3 {
+        mean: Vector3::from(mean),
+        deviation: Vector3::repeat(deviation),
+    };
+    let wheels = is_set("wheels").then(|| mean(odometry, time, &[4, 5])).flatten().map(|speed| WheelSpeed {
+        linear_mps: gaussian([speed[0], 0.0, 0.0], 0.02 + 0.03 * speed[0].abs()),
+        angular_radps: gaussian([0.0, 0.0, speed[1]], 0.05),
+    });
+    let rate = is_set("gyroscope").then(|| mean(inertial, time, &[1, 2, 3])).flatten();
+    MotionAid { wheels, gyroscope: rate.map(|rate| gaussian([rate[0], rate[1], rate[2]], 0.01)) }
+}
+
+/// LeGO-LOAM as published, or with its steps solved to their ends.
+fn run_lego(path: &Path) {
+    let solver = if is_set("damped") { StepSolver::Damped } else { StepSolver::Published };
+    let mut loam = LegoLoam::new(LegoLoamConfig { solver, ..LegoLoamConfig::default() });
     let truth = truth(path);
-    let period = 0.099_975_168;
-    let mut result = Vec::new();
-    let verbose = std::env::var("VERBOSE").is_ok();
-    let (mut cpu, mut matched, mut mapped) = (0.0, 0.0, 0);
+    let (mut cpu, mut result, mut odometry) = (0.0, Vec::new(), Vec::new());
     let all = sweeps(path);
     for (index, sweep) in all.iter().enumerate() {
+        let end_s = truth.get(index).map_or(0.1 * (index + 1) as f64, |pose| pose.time_s);
         let began = cpu_s();
-        let times = SweepTimes { since_last_s: period, duration_s: period };
-        let outcome = odometry.push(sweep, times, &MotionAid::default());
+        let outcome = loam.push(sweep, end_s);
         cpu += cpu_s() - began;
+        for (poses, pose) in [(&mut result, &outcome.pose), (&mut odometry, &outcome.odometry)] {
+            let [x, y, z, w] = pose.quaternion();
+            let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+            poses.push(TimedPose { time_s: end_s, place_m: pose.place_m, rotation });
+        }
+    }
+    let cpu = 1e3 * cpu / all.len() as f64;
+    print!("{} LeGO-LOAM cpu {cpu:.2} ms keys {}", path.display(), loam.keys());
+    conclude(&truth, &result);
+    print!("  odometry alone");
+    conclude(&truth, &odometry);
+}
+
+fn run(path: &Path) {
+    if is_set("lego") {
+        return run_lego(path);
+    }
+    let closing = (!is_set("open")).then(SpaceCloserConfig::default);
+    let config = Mapper3Config { odometry: settings(), cloud_m: 1.0e4, closing, ..Mapper3Config::default() };
+    let mut mapper = Mapper3::new(config);
+    let truth = truth(path);
+    let aids = (rows(path, "odom.csv"), rows(path, "imu.csv"));
+    let period = 0.099_975_168;
+    let verbose = std::env::var("VERBOSE").is_ok();
+    let (mut cpu, mut worst, mut matched) = (0.0, 0.0_f64, 0.0);
+    let all = sweeps(path);
+    for (index, sweep) in all.iter().enumerate() {
+        let end_s = truth.get(index).map_or(period * (index + 1) as f64, |pose| pose.time_s);
+        let returns = sweep.clone();
+        let record = SweepRecord { end_s, duration_s: period, returns, reflectivity: Vec::new() };
+        let aid = aid(&aids, [end_s - period, end_s]);
+        let began = cpu_s();
+        let outcome = mapper.push(record, &aid).unwrap().unwrap();
+        let took = cpu_s() - began;
+        cpu += took;
+        worst = worst.max(took);
         matched += f64::from(outcome.matched) / f64::from(outcome.returns.max(1));
-        mapped += u32::from(outcome.is_mapped);
-        let pose = outcome.state.pose;
-        let [x, y, z, w] = pose.quaternion();
-        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
-        let time_s = truth.get(index).map_or(period * (index + 1) as f64, |pose| pose.time_s);
-        result.push(TimedPose { time_s, place_m: pose.place_m, rotation });
         if verbose && (index % 20 == 0 || all.len() < 50 || outcome.times_noise < 400.0) {
             show(index, &outcome, truth.first().zip(truth.get(index)));
         }
     }
+    mapper.finish().unwrap();
+    let result = mapper.trajectory();
     print!(
-        "{} sweeps {} cpu {:.3} ms matched {:.2} mapped {mapped} cubes {} replaced {}",
+        "{} sweeps {} cpu {:.3} ms, worst {:.1} matched {:.2} mapped {} cubes {:?} loops {:?} {:?}",
         path.display(),
         all.len(),
         1e3 * cpu / all.len() as f64,
+        1e3 * worst,
         matched / all.len() as f64,
-        odometry.map().len(),
-        odometry.map().replaced(),
+        mapper.counters.mapped,
+        mapper.cubes(),
+        mapper.closer().map(|closer| closer.believed()),
+        mapper.closer().map(|closer| closer.counters()),
     );
     conclude(&truth, &result);
 }

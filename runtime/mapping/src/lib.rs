@@ -7,6 +7,7 @@ pub mod clean;
 pub mod front_end;
 pub mod grid_map;
 pub mod input;
+pub mod lego_loam;
 pub mod lidar3d;
 pub mod localise;
 pub mod loops;
@@ -16,5 +17,7 @@ pub mod output;
 pub mod pose_graph;
 pub mod refine;
 mod se2;
+mod turn;
 
 pub use se2::Se2;
+pub use turn::{turn_about, turn_angle_rad, turn_vector};

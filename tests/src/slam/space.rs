@@ -122,10 +122,11 @@ fn drive(folder: &Path, config: Mapper3Config) -> anyhow::Result<Driven> {
             reflectivity: Vec::new(),
         };
         let began = Instant::now();
-        mapper.push(record, &MotionAid::default()).context("times that do not grow")?;
+        mapper.push(record, &MotionAid::default())?.context("times that do not grow")?;
         worked_s += began.elapsed().as_secs_f64();
     }
-    let errors = ErrorStatistics::of(&absolute_errors(&associate(&truth, &mapper.trajectory, 0.01)));
+    mapper.finish()?;
+    let errors = ErrorStatistics::of(&absolute_errors(&associate(&truth, &mapper.trajectory(), 0.01)));
     ensure!(errors.count == truth.len(), "{} of {} sweeps have a pose", errors.count, truth.len());
     Ok(Driven { error_m: errors.rmse, ms_per_sweep: 1.0e3 * worked_s / truth.len() as f64 })
 }

@@ -50,8 +50,9 @@ pub fn slam(folder: &Path) -> anyhow::Result<(String, bool)> {
 
 fn arguments(file: &Path, out: &Path) -> MapArguments {
     MapArguments {
+        task: None,
         files: vec![file.to_owned()],
-        out: out.to_owned(),
+        out: Some(out.to_owned()),
         clean: false,
         drive: DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None },
         cell_m: 0.05,

@@ -21,7 +21,7 @@ mod world;
 pub use align::AlignConfig;
 pub use averaging::{AveragedReturn, AveragingConfig, RINGS_MAX, SweepReturn, average_returns};
 pub use filter::{FloorPrior, Gaussian3, Matrix12, MotionAid, MotionNoise, MotionState, WheelSpeed};
-pub use motion::{Pose3, Twist3};
+pub use motion::{Pose3, Twist3, cross_matrix};
 pub use odometry::{Entering, LidarOdometry, OdometryConfig, SweepTimes};
 pub use outcome::{SweepOutcome, WeakDirection};
 pub use sweep_motion::SweepMotion;

@@ -8,6 +8,7 @@ use floorguard_robot::navigator::{NavigationPhase, NavigationPlan, NavigationPro
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished};
+use super::map_here::MapHere;
 use super::run::{self, RunArguments, RunOutputs};
 use super::values::coordinate;
 use floorguard_configuration::HostedConfiguration;
@@ -40,7 +41,7 @@ pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
     let GotoArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
-    match run::run_to(&RunArguments { file, learn: None, outputs }, Some(goal))? {
+    match run::run_to(&RunArguments { file, learn: None, map_here: MapHere::default(), outputs }, Some(goal))? {
         Some(progress) => conclude(&progress, json),
         None => Err(NotFinished("the drive never began".to_owned()).into()),
     }

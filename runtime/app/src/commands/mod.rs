@@ -25,6 +25,7 @@ mod live;
 mod live_camera;
 mod manual;
 #[cfg(feature = "laboratory")]
+mod map_here;
 mod mission;
 mod panel;
 mod report;

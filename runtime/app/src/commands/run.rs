@@ -21,6 +21,7 @@ use super::exit::BadInput;
 use super::goto::navigation_of;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
+use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::values::{panel_address, seconds};
@@ -50,6 +51,9 @@ pub struct RunArguments {
     /// relative to where the robot was switched on.
     #[arg(long)]
     pub learn: Option<PathBuf>,
+    /// The drive as a map.
+    #[command(flatten)]
+    pub map_here: MapHere,
     /// How long, and what is written of it.
     #[command(flatten)]
     pub outputs: RunOutputs,
@@ -81,7 +85,11 @@ pub struct RunOutputs {
 /// # Errors
 /// The configuration is refused, the lidar's port is taken, or a ring failed.
 pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
-    run_to(arguments, None).map(drop)
+    arguments.map_here.drive(arguments.outputs.record.as_deref(), |record| {
+        let mut arguments = arguments.clone();
+        arguments.outputs.record = record;
+        run_to(&arguments, None).map(drop)
+    })
 }
 
 /// Opens the lines to the devices, and the one on which velocities come.

@@ -15,6 +15,7 @@ fn unwritable_black_box_is_counted_without_blocking() {
     let arguments = RunArguments {
         file: PathBuf::from("robot.toml"),
         learn: None,
+        map_here: MapHere::default(),
         outputs: RunOutputs { black_box: Some(PathBuf::from("/dev/null/stops")), ..RunOutputs::default() },
     };
     let mut watch = Watch::new(&arguments, &shared);

@@ -15,8 +15,9 @@ use floorguard_types::geometry::Pose2;
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::live::status_of;
 use super::run_lesson::RunLesson;
+use super::map_here::MapHere;
 use super::sinks::{SinkOutputs, open_sinks};
-use super::values::{command_address, goal, panel_address, simulated_seconds};
+use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
@@ -87,6 +88,9 @@ pub struct SimulateArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// The drive as a map.
+    #[command(flatten)]
+    pub map_here: MapHere,
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
@@ -157,6 +161,10 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         }
         return Ok(());
     }
+    arguments.map_here.drive(arguments.record.as_deref(), |record| simulate(arguments, record.as_deref()))
+}
+
+fn simulate(arguments: &SimulateArguments, record: Option<&Path>) -> anyhow::Result<()> {
     let mut plan = plan(arguments)?;
     let real_io = arguments.real_io || plan.command.is_some();
     if arguments.tape.is_some() {
@@ -174,8 +182,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let lesson = arguments.learn.as_deref();
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
-    let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    let panel_records = arguments.panel_records.clone();
+    let (panel, panel_records) = (arguments.panel, arguments.panel_records.clone());
     open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, real_io })?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
@@ -312,18 +319,6 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
 fn meant(name: &str) -> String {
     let names: Vec<&str> = Scenario::names().collect();
     did_you_mean(name, &names).map(|meant| format!("; {meant}")).unwrap_or_default()
-}
-
-/// `20..25`, seconds.
-fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
-    let micros = |part: &str| {
-        part.parse::<f64>().ok().filter(|s| *s >= 0.0 && s.is_finite()).map(|s| (s * 1.0e6) as u64)
-    };
-    let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
-    span.filter(|(from, to)| from < to).ok_or_else(|| {
-        WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
-            .into()
-    })
 }
 
 /// Plays a plan with a live display.

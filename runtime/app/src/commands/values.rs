@@ -93,6 +93,23 @@ pub(super) fn panel_address(text: &str) -> Result<SocketAddr, String> {
     first.copied().ok_or_else(|| format!("`{text}` is the name of no computer"))
 }
 
+/// `20..25`, seconds.
+///
+/// # Errors
+/// Anything else, in words.
+#[cfg(feature = "laboratory")]
+pub(super) fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
+    use super::exit::WrongUsage;
+    let micros = |part: &str| {
+        part.parse::<f64>().ok().filter(|s| *s >= 0.0 && s.is_finite()).map(|s| (s * 1.0e6) as u64)
+    };
+    let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
+    span.filter(|(from, to)| from < to).ok_or_else(|| {
+        WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
+            .into()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

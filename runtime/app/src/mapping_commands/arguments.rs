@@ -2,10 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
+use floorguard_mapping_host::grid_map::Zone;
 
 use super::input::InputOptions;
 use crate::recordings::ModelArgument;
+
+/// Usual edge of a cell, and usual range, metres.
+const CELL_M: f64 = 0.05;
+const RANGE_M: f64 = 30.0;
 
 /// Files of a drive, and which part of them.
 #[derive(Clone, Debug, Args)]
@@ -27,16 +32,23 @@ pub struct DriveArguments {
 /// What to map.
 #[derive(Clone, Debug, Args)]
 #[command(
-    after_help = "Examples: floorguard map drive.mcap --out maps/hall\n          floorguard map --clean puck.pcap --out hall-without-people"
+    after_help = "Examples: floorguard map drive.mcap --out maps/hall\n          \
+                  floorguard map --clean puck.pcap --out hall-without-people\n          \
+                  floorguard map edit maps/hall --to-walls --no-go 3,1;5,1;5,4 --out maps/hall-edited",
+    args_conflicts_with_subcommands = true,
+    subcommand_negates_reqs = true
 )]
 pub struct MapArguments {
+    /// Change a finished map.
+    #[command(subcommand)]
+    pub task: Option<MapTask>,
     /// Recordings of `--record` and ROS 2 bags with LaserScan (.mcap), or CARMEN logs (.clf, .log); packed or not. Several
     /// are the parts of one drive, in their order.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of the map; a former map in it is replaced once the new one is whole.
-    #[arg(long, value_name = "DIR")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "DIR", required = true)]
+    pub out: Option<PathBuf>,
     /// Map the recording of a lidar in space (.pcap, or .mcap with PointCloud2) and take people and what else moved out of it:
     /// the same as `clean-map --map-first`, which has more options.
     #[arg(long)]
@@ -45,21 +57,63 @@ pub struct MapArguments {
     #[command(flatten)]
     pub drive: DriveArguments,
     /// Edge of a cell of the map, metres.
-    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
+    #[arg(long, value_name = "M", default_value_t = CELL_M, value_parser = cell)]
     pub cell_m: f64,
     /// Farther returns are not used, metres.
-    #[arg(long, value_name = "M", default_value_t = 30.0, value_parser = range)]
+    #[arg(long, value_name = "M", default_value_t = RANGE_M, value_parser = range)]
     pub range_m: f64,
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
 }
 
+/// What else is done with maps.
+#[derive(Clone, Debug, Subcommand)]
+pub enum MapTask {
+    /// Crop a map, turn it to its walls, erase what was there by chance, mark zones that are not driven.
+    Edit(MapEditArguments),
+}
+
+/// Which changes, made in this order: turned, cropped, erased, forgotten, closed. Places are in metres of the map as it is
+/// after the turn.
+#[derive(Clone, Debug, Args)]
+pub struct MapEditArguments {
+    /// A folder of `floorguard map`, a ROS map_server map (.yaml), or a bare picture of 0.05 m a pixel.
+    pub map: PathBuf,
+    /// The folder of the changed map; a former map in it is replaced once the new one is whole.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Turn the map about its origin so that most walls run along its axes.
+    #[arg(long, conflicts_with = "turn_deg")]
+    pub to_walls: bool,
+    /// Turn the map counter-clockwise about its origin, degrees.
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = turn)]
+    pub turn_deg: Option<f64>,
+    /// Keep only what lies between two corners: `X1,Y1,X2,Y2`.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub crop: Option<Corners>,
+    /// Make the floor between two corners free, as where a trolley stood: `X1,Y1,X2,Y2`. May be repeated.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub erase: Vec<Corners>,
+    /// Make what lies between two corners unknown. May be repeated.
+    #[arg(long, value_name = "CORNERS", allow_hyphen_values = true, value_parser = corners)]
+    pub forget: Vec<Corners>,
+    /// A zone that is not driven: `X,Y;X,Y;X,Y…`. It becomes unknown floor, which no plan of ours enters, and is drawn in
+    /// `no_go.yaml`, a keepout mask as nav2 takes it. May be repeated.
+    #[arg(long, value_name = "POLYGON", allow_hyphen_values = true, value_parser = polygon)]
+    pub no_go: Vec<Zone>,
+}
+
+/// Two corners of a rectangle, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corners(pub [[f64; 2]; 2]);
+
 /// What to map in space.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = "Example: floorguard map3d drive.pcap.gz --out maps/hall3d")]
 pub struct Map3dArguments {
-    /// Captures of a spinning lidar (.pcap, .pcapng), packed or not. Several are the parts of one drive, in their order.
+    /// Captures of a spinning lidar (.pcap, .pcapng), or recordings of `--record` and ROS 2 bags with PointCloud2 (.mcap);
+    /// packed or not. Several are the parts of one drive, in their order.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
     /// The folder of the map; a former map in it is replaced once the new one is whole.
@@ -68,9 +122,18 @@ pub struct Map3dArguments {
     /// Which lidar made the captures.
     #[arg(long, default_value = "auto")]
     pub model: ModelArgument,
+    /// How it is mapped.
+    #[arg(long, default_value = "ours")]
+    pub method: MethodArgument,
     /// The lidar stands upright on a level floor: height, roll and pitch stay those of the first sweep.
     #[arg(long)]
     pub level_floor: bool,
+    /// Do not use wheels and gyroscope of the recording: the returns alone.
+    #[arg(long)]
+    pub lidar_alone: bool,
+    /// Do not close loops: the odometry alone.
+    #[arg(long)]
+    pub without_loops: bool,
     /// Edge of a cube of the cloud, metres; each cube becomes one point.
     #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
     pub cell_m: f64,
@@ -83,6 +146,16 @@ pub struct Map3dArguments {
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+/// How a drive is mapped in space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum MethodArgument {
+    /// Sweeps onto planes, straightened as the sensor moved; wheels, gyroscope, loops.
+    #[default]
+    Ours,
+    /// LeGO-LOAM (Shan and Englot 2018) as published, for lidars of 16 lasers; the returns alone.
+    LegoLoam,
 }
 
 /// What the colour of a cloud shows.
@@ -143,6 +216,14 @@ pub struct SlamArguments {
     pub limit_m: Option<f64>,
 }
 
+impl MapArguments {
+    /// One recording, with the usual values.
+    pub fn of_drive(file: PathBuf, out: PathBuf) -> Self {
+        let drive = DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None };
+        Self { task: None, files: vec![file], out: Some(out), clean: false, drive, cell_m: CELL_M, range_m: RANGE_M, json: false }
+    }
+}
+
 impl DriveArguments {
     /// As the input takes them.
     pub fn options(&self) -> InputOptions {
@@ -174,4 +255,25 @@ fn range(text: &str) -> Result<f64, String> {
 
 fn length(text: &str) -> Result<f64, String> {
     number(text, 1.0e-6, 1.0e6, "metres")
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    number(text, -180.0, 180.0, "degrees")
+}
+
+fn places(text: &str) -> Option<Vec<f64>> {
+    text.split([',', ';']).map(|word| word.trim().parse::<f64>().ok().filter(|value| value.is_finite())).collect()
+}
+
+fn corners(text: &str) -> Result<Corners, String> {
+    let numbers = places(text);
+    let four = numbers.as_deref().and_then(|numbers| <[f64; 4]>::try_from(numbers).ok());
+    let [x1, y1, x2, y2] = four.ok_or("give X1,Y1,X2,Y2, metres")?;
+    Ok(Corners([[x1, y1], [x2, y2]]))
+}
+
+fn polygon(text: &str) -> Result<Zone, String> {
+    let numbers = places(text).filter(|numbers| numbers.len() >= 6 && numbers.len() % 2 == 0);
+    let numbers = numbers.ok_or("give three corners or more: X,Y;X,Y;X,Y, metres")?;
+    Ok(Zone(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
 }

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;
+use floorguard_mapping_host::grid_map::GridMap;
+use floorguard_robot::site::ros_map;
 
 /// Text of a file, packed or not.
 ///
@@ -29,4 +31,22 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), BadInput> {
     let beside = path.with_file_name(name);
     std::fs::write(&beside, bytes).and_then(|()| File::open(&beside)?.sync_all()).map_err(bad)?;
     std::fs::rename(&beside, path).map_err(bad)
+}
+
+/// A map: a folder of `floorguard map`, a map of ROS (.yaml), or a bare picture.
+///
+/// # Errors
+/// It cannot be read.
+pub fn grid_map(path: &Path) -> Result<GridMap, BadInput> {
+    let file = if path.is_dir() { path.join("map.yaml") } else { path.to_owned() };
+    let loaded = ros_map::load(&file).map_err(|error| BadInput(format!("{error:#}")))?;
+    let geometry = loaded.geometry();
+    let corner = geometry.origin_in_map();
+    Ok(GridMap {
+        columns: geometry.columns(),
+        rows: geometry.rows(),
+        cell_m: f64::from(geometry.resolution_m()),
+        corner_m: [f64::from(corner.x_m), f64::from(corner.y_m)],
+        cells: loaded.values().to_vec(),
+    })
 }

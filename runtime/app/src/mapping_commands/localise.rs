@@ -5,14 +5,12 @@ use std::path::Path;
 use floorguard_host::outcome::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::grid_map::GridMap;
 use floorguard_mapping_host::localise::{Belief, KnownMap, LocaliseConfig, Localiser, Located};
 use floorguard_mapping_host::metrics::write_tum;
-use floorguard_robot::site::ros_map;
 use serde_json::json;
 
 use super::arguments::LocaliseArguments;
-use super::files::write_whole;
+use super::files::{grid_map, write_whole};
 use super::input::Drive;
 use super::progress::Progress;
 
@@ -61,18 +59,8 @@ pub fn run(arguments: &LocaliseArguments) -> anyhow::Result<()> {
 }
 
 fn known_map(path: &Path, config: &LocaliseConfig) -> Result<KnownMap, BadInput> {
-    let file = if path.is_dir() { path.join("map.yaml") } else { path.to_owned() };
-    let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", file.display()));
-    let loaded = ros_map::load(&file).map_err(|error| BadInput(format!("{error:#}")))?;
-    let geometry = loaded.geometry();
-    let corner = geometry.origin_in_map();
-    let map = GridMap {
-        columns: geometry.columns(),
-        rows: geometry.rows(),
-        cell_m: f64::from(geometry.resolution_m()),
-        corner_m: [f64::from(corner.x_m), f64::from(corner.y_m)],
-        cells: loaded.values().to_vec(),
-    };
+    let map = grid_map(path)?;
+    let bad = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", path.display()));
     KnownMap::new(map, config).ok_or_else(|| bad(&"no wall in this map: nothing to find a place by"))
 }
 

@@ -1,5 +1,6 @@
 //! `floorguard map`: a drive becomes a map.
 
+use std::path::Path;
 use std::time::Instant;
 
 use floorguard_host::outcome::{BadInput, VerdictFailed, WrongUsage};
@@ -10,7 +11,7 @@ use floorguard_mapping_host::grid_map::{GridMap, GridMapConfig, build_grid_map};
 use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::output::{OutputFile, check_place, map_files, replace_folder};
 
-use super::arguments::MapArguments;
+use super::arguments::{MapArguments, MapTask};
 use super::clean::{CleanArguments, run as clean_map};
 use super::input::{Drive, ReadSummary};
 use super::progress::Progress;
@@ -22,16 +23,16 @@ use super::summary::{MapSummary, summarise};
 /// # Errors
 /// Bad input, a folder that cannot take a map, or a map that is in doubt (it is written all the same).
 pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
-    if arguments.clean {
-        return clean_map(&CleanArguments {
-            files: arguments.files.clone(),
-            out: arguments.out.clone(),
-            map_first: true,
-            json: arguments.json,
-            ..CleanArguments::default()
-        });
+    if let Some(MapTask::Edit(edit)) = &arguments.task {
+        return super::map_edit::run(edit);
     }
-    check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
+    // Only `map edit` goes without.
+    let out = arguments.out.clone().unwrap_or_default();
+    if arguments.clean {
+        let (files, json) = (arguments.files.clone(), arguments.json);
+        return clean_map(&CleanArguments { files, out, map_first: true, json, ..CleanArguments::default() });
+    }
+    check_place(&out).map_err(|error| WrongUsage(error.to_string()))?;
     let began = Instant::now();
     let drive = Drive::open(&arguments.files, arguments.drive.options())?;
     let config = MapConfig {
@@ -49,8 +50,8 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
     let names: Vec<String> = arguments.files.iter().map(|file| file.display().to_string()).collect();
     files.push(OutputFile::new("summary.json", serde_json::to_string_pretty(&summary)? + "\n"));
     files.push(OutputFile::new("report.html", document(&summary, &names)));
-    replace_folder(&arguments.out, &files).map_err(|error| BadInput(error.to_string()))?;
-    conclude(arguments, &summary, read.ended)
+    replace_folder(&out, &files).map_err(|error| BadInput(error.to_string()))?;
+    conclude((arguments.json, &out), &summary, read.ended)
 }
 
 fn mapped(drive: &Drive, mut mapper: Mapper) -> anyhow::Result<(Mapper, ReadSummary)> {
@@ -85,14 +86,14 @@ fn robot_trajectory(mapper: &Mapper, scanner_in_robot: Se2) -> Vec<(f64, Se2)> {
     scanner.into_iter().map(|(time_s, pose)| (time_s, pose.compose(robot_in_scanner))).collect()
 }
 
-fn conclude(arguments: &MapArguments, summary: &MapSummary, ended: Option<String>) -> anyhow::Result<()> {
-    if arguments.json {
+fn conclude((json, out): (bool, &Path), summary: &MapSummary, ended: Option<String>) -> anyhow::Result<()> {
+    if json {
         tell!("{}", serde_json::to_string(summary)?)?;
     } else {
         let [width_m, height_m] = summary.size_m;
         say!(
             "map: {} ({width_m:.1} × {height_m:.1} m, {:.0} m² free floor, {:.2} m a cell)",
-            arguments.out.display(),
+            out.display(),
             summary.free_m2,
             summary.cell_m
         );
@@ -107,7 +108,7 @@ fn conclude(arguments: &MapArguments, summary: &MapSummary, ended: Option<String
         say!("  took {:.1} s, {:.2} ms a scan", summary.took_s, summary.ms_per_scan);
         summary.notes.iter().for_each(|note| say!("  note: {note}"));
         summary.doubts.iter().for_each(|doubt| say!("  doubt: {doubt}"));
-        say!("  look at {}", arguments.out.join("report.html").display());
+        say!("  look at {}", out.join("report.html").display());
     }
     match ended {
         Some(why) => Err(BadInput(format!("{why}; everything before is in the map")).into()),

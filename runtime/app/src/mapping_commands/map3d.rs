@@ -1,17 +1,21 @@
-//! `floorguard map3d`: lidar captures become a trajectory and a cloud of surfaces in space.
+//! `floorguard map3d`: drives of a spinning lidar become a trajectory and a cloud of surfaces in space.
 
 use std::time::Instant;
 
 use floorguard_host::outcome::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::words::counted;
 use floorguard_mapping::lidar_odometry::{FloorPrior, MotionAid, OdometryConfig};
-use floorguard_mapping_host::lidar3d::{Colour, Mapper3, Mapper3Config, pcd, ply};
+use floorguard_mapping_host::lego_loam::{LegoLoamConfig, LegoMapper};
+use floorguard_mapping_host::lidar3d::{
+    Colour, Mapper3, Mapper3Config, SpaceMap, SpaceMapper, las, pcd, ply,
+};
 use floorguard_mapping_host::metrics::write_tum_in_space;
 use floorguard_mapping_host::output::{MARKER_3D, OutputFile, check_place, replace_folder};
+use floorguard_mapping_host::turn_angle_rad;
 use serde::Serialize;
 
-use super::arguments::{ColourArgument, Map3dArguments};
-use super::input::{SweepsRead, count_sweeps, read_sweeps};
+use super::arguments::{ColourArgument, Map3dArguments, MethodArgument};
+use super::input::{SpaceDrive, SweepsRead};
 use super::progress::Progress;
 
 /// More sweeps than this share without a match, and the map is in doubt.
@@ -40,6 +44,13 @@ struct Map3dSummary {
     sweeps_mapped: u64,
     duration_s: f64,
     path_m: f64,
+    /// Wheels and gyroscope of the recording were used.
+    with_wheels: bool,
+    with_gyroscope: bool,
+    /// Places that were recognised and measured, those of them that count, and those that were refused in space.
+    loops_closed: usize,
+    loops_believed: usize,
+    loops_refused: usize,
     /// From the first pose to the last.
     displacement_m: f64,
     turned_deg: f64,
@@ -58,49 +69,76 @@ struct Map3dSummary {
 pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
     check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
     let began = Instant::now();
-    let mut mapper = Mapper3::new(config(arguments));
-    let progress = Progress::new(count_sweeps(&arguments.files));
-    let mut worked_s = 0.0;
-    let read = read_sweeps(&arguments.files, arguments.model.choice(), &mut |sweep| {
-        progress.count();
-        let start = Instant::now();
-        mapper.push(sweep, &MotionAid::default());
-        worked_s += start.elapsed().as_secs_f64();
-        Ok(())
-    });
-    progress.finish();
-    let read = read?;
-    mapper.finish();
-    if mapper.trajectory.is_empty() {
+    let drive = SpaceDrive::open(&arguments.files, arguments.model.choice())?;
+    let (map, read, worked_s) = mapped(&drive, arguments)?;
+    if map.counters.sweeps == 0 {
         return Err(BadInput("no whole revolution in it: nothing to map".to_owned()).into());
     }
-    let points = mapper.cloud.points(if mapper.counters.mapped > 1 { RETURNS_LEAST } else { 1 });
-    let mut summary = summarise(&mapper, &read, points.len());
+    let least = if map.counters.mapped > 1 { RETURNS_LEAST } else { 1 };
+    let points = map.cloud.points(least);
+    let mut summary = summarise(&map, &read, points.len());
+    summary.notes.extend(drive.notes.iter().cloned());
+    [summary.with_wheels, summary.with_gyroscope] = drive.aids.are_there().map(|is| is && arguments.uses_aids());
     (summary.took_s, summary.ms_per_sweep) =
-        (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / mapper.counters.sweeps.max(1) as f64);
+        (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / map.counters.sweeps.max(1) as f64);
     let files = [
-        OutputFile::new("trajectory.tum", write_tum_in_space(&mapper.trajectory)),
+        OutputFile::new("trajectory.tum", write_tum_in_space(&map.trajectory)),
         OutputFile::new("cloud.ply", ply(&points, arguments.colour.into())),
         OutputFile::new("cloud.pcd", pcd(&points)),
+        OutputFile::new("cloud.las", las(&points, arguments.colour.into())?),
         OutputFile::new(MARKER_3D, serde_json::to_string_pretty(&summary)? + "\n"),
     ];
     replace_folder(&arguments.out, &files).map_err(|error| BadInput(error.to_string()))?;
     conclude(arguments, &summary, read.ended)
 }
 
+/// Runs the drive through the mapper; and the seconds that the mapper took.
+fn mapped(drive: &SpaceDrive, arguments: &Map3dArguments) -> anyhow::Result<(SpaceMap, SweepsRead, f64)> {
+    let mut mapper: Box<dyn SpaceMapper> = match arguments.method {
+        MethodArgument::Ours => Box::new(Mapper3::new(config(arguments))),
+        MethodArgument::LegoLoam => {
+            Box::new(LegoMapper::new(LegoLoamConfig::default(), arguments.cell_m as f32))
+        }
+    };
+    let progress = Progress::new(drive.sweeps);
+    let mut worked_s = 0.0;
+    let unsolvable = |error: &dyn std::fmt::Display| BadInput(format!("the graph cannot be solved: {error}"));
+    let read = drive.read(&mut |sweep, aid| {
+        progress.count();
+        let start = Instant::now();
+        let aid = if arguments.uses_aids() { aid } else { MotionAid::default() };
+        mapper.take(sweep, &aid).map_err(|error| unsolvable(&error))?;
+        worked_s += start.elapsed().as_secs_f64();
+        Ok(())
+    });
+    progress.phase("closing the last loops");
+    let map = mapper.conclude().map_err(|error| unsolvable(&error));
+    progress.finish();
+    Ok((map?, read?, worked_s))
+}
+
+impl Map3dArguments {
+    /// Wheels and gyroscope help, where the recording has them.
+    fn uses_aids(&self) -> bool {
+        !self.lidar_alone && self.method == MethodArgument::Ours
+    }
+}
+
 fn config(arguments: &Map3dArguments) -> Mapper3Config {
     let mut odometry = OdometryConfig::default();
     odometry.averaging.range_most_m = arguments.range_m as f32;
     odometry.floor = arguments.level_floor.then(FloorPrior::default);
-    Mapper3Config { odometry, cloud_m: arguments.cell_m as f32, ..Mapper3Config::default() }
+    let usual = Mapper3Config::default();
+    let closing = usual.closing.filter(|_| !arguments.without_loops);
+    Mapper3Config { odometry, cloud_m: arguments.cell_m as f32, closing, ..usual }
 }
 
-fn summarise(mapper: &Mapper3, read: &SweepsRead, cloud_points: usize) -> Map3dSummary {
-    let trajectory = &mapper.trajectory;
+fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSummary {
+    let trajectory = &map.trajectory;
     let path = trajectory.windows(2).map(|pair| (pair[1].place_m - pair[0].place_m).norm());
     let ends = trajectory.first().zip(trajectory.last());
-    let counters = mapper.counters;
-    let [cubes, cubes_replaced] = mapper.cubes();
+    let counters = map.counters;
+    let [cubes, cubes_replaced] = map.cubes;
     let mut summary = Map3dSummary {
         verdict: "good",
         doubts: Vec::new(),
@@ -114,8 +152,13 @@ fn summarise(mapper: &Mapper3, read: &SweepsRead, cloud_points: usize) -> Map3dS
         sweeps_mapped: counters.mapped,
         duration_s: ends.map_or(0.0, |(first, last)| last.time_s - first.time_s),
         path_m: path.sum(),
+        with_wheels: false,
+        with_gyroscope: false,
+        loops_closed: map.loops.closed,
+        loops_believed: map.loops_believed,
+        loops_refused: map.loops.refused,
         displacement_m: ends.map_or(0.0, |(first, last)| (last.place_m - first.place_m).norm()),
-        turned_deg: ends.map_or(0.0, |(first, last)| first.rotation.angle_to(&last.rotation).to_degrees()),
+        turned_deg: ends.map_or(0.0, |(first, last)| turn_angle_rad(&first.rotation.rotation_to(&last.rotation)).to_degrees()),
         cloud_points,
         cubes,
         cubes_replaced,
@@ -170,6 +213,12 @@ fn conclude(arguments: &Map3dArguments, summary: &Map3dSummary, ended: Option<St
             summary.displacement_m,
             summary.turned_deg
         );
+        if summary.with_wheels || summary.with_gyroscope {
+            let names = [(summary.with_wheels, "wheels"), (summary.with_gyroscope, "gyroscope")];
+            let used: Vec<&str> = names.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
+            say!("  with {}", used.join(" and "));
+        }
+        say!("  {} recognised", counted(summary.loops_believed as u64, "place"));
         say!("  took {:.1} s, {:.2} ms a sweep", summary.took_s, summary.ms_per_sweep);
         summary.notes.iter().for_each(|note| say!("  note: {note}"));
         summary.doubts.iter().for_each(|doubt| say!("  doubt: {doubt}"));

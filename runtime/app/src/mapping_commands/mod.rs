@@ -12,6 +12,7 @@ mod input;
 mod localise;
 mod map;
 mod map3d;
+mod map_edit;
 mod progress;
 mod report;
 mod summary;

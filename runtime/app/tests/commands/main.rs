@@ -5,6 +5,7 @@ mod blackbox_command;
 mod book;
 mod goto_command;
 mod inspect_command;
+mod map_edit;
 mod mission_command;
 mod mission_seen;
 mod panel_browser;

@@ -4,6 +4,7 @@ use floorguard_types::geometry::{Point3, Transform3};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::metrics::TimedPose;
+use crate::turn::{turn_about, turn_vector};
 
 /// Poses of the sensor in the map, ordered by time.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,8 +91,8 @@ impl Track {
         }
         let share = (time_s - from.time_s) / gap_s;
         let place = from.place_m + share * (to.place_m - from.place_m);
-        let turn = from.rotation.rotation_to(&to.rotation).scaled_axis() * share;
-        Some(transform(place, UnitQuaternion::from_scaled_axis(turn) * from.rotation))
+        let turn = turn_vector(&from.rotation.rotation_to(&to.rotation)) * share;
+        Some(transform(place, turn_about(&turn) * from.rotation))
     }
 }
 

@@ -5,8 +5,10 @@
 
 mod build;
 mod counts;
+mod edit;
 mod grid;
 
 pub use build::{GridMapConfig, build_grid_map};
 pub use counts::{CellCounts, CountGrid};
+pub use edit::Zone;
 pub use grid::GridMap;

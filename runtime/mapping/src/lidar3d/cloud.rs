@@ -50,6 +50,18 @@ impl SurfaceCloud {
         cell.count = cell.count.saturating_add(1);
     }
 
+    /// The returns of a cube of another cloud, whose mean lies here.
+    pub fn merge(&mut self, point: &CloudPoint) {
+        let index = |value: f32| libm::floorf(value / self.edge_m) as i32;
+        let key = [index(point.place_m.x), index(point.place_m.y), index(point.place_m.z)];
+        let new = Cell { sum: Vector3::zeros(), reflectivity: 0, count: 0, time_s: point.time_s };
+        let cell = self.cells.entry(key).or_insert(new);
+        cell.sum += point.place_m.map(f64::from) * f64::from(point.count);
+        cell.reflectivity += u64::from(point.count) * point.reflectivity as u64;
+        cell.count = cell.count.saturating_add(point.count);
+        cell.time_s = cell.time_s.min(point.time_s);
+    }
+
     /// How many cubes hold a return.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -51,7 +51,7 @@ pub fn pcd(points: &[CloudPoint]) -> Vec<u8> {
 }
 
 /// The values that the two ends of the scale of colours stand for.
-struct Range {
+pub(super) struct Range {
     shown: fn(&CloudPoint) -> f32,
     low: f32,
     high: f32,
@@ -60,7 +60,7 @@ struct Range {
 
 impl Range {
     /// Without the highest and lowest hundredth, so that single points do not pale all others.
-    fn of(points: &[CloudPoint], colour: Colour) -> Self {
+    pub(super) fn of(points: &[CloudPoint], colour: Colour) -> Self {
         let shown: fn(&CloudPoint) -> f32 = match colour {
             Colour::Height => |point| point.place_m.z,
             Colour::Time => |point| point.time_s,
@@ -72,7 +72,7 @@ impl Range {
         Self { shown, low: at(1), high: at(99), grey: colour == Colour::Reflectivity }
     }
 
-    fn colour(&self, point: &CloudPoint) -> [u8; 3] {
+    pub(super) fn colour(&self, point: &CloudPoint) -> [u8; 3] {
         let share = ((self.shown)(point) - self.low) / (self.high - self.low).max(1.0e-6);
         let share = share.clamp(0.0, 1.0);
         let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)) as u8;

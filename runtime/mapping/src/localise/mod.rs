@@ -12,3 +12,7 @@ mod searching;
 pub use config::LocaliseConfig;
 pub use known_map::KnownMap;
 pub use localiser::{Belief, Localiser, LocaliserStatistics, Located};
+
+#[cfg(test)]
+#[path = "campaign_tests.rs"]
+mod campaign;

@@ -2,9 +2,10 @@
 //! that are nearest in time belong together, the absolute error is taken after the best rigid motion (Umeyama 1991),
 //! the relative error of the steps needs none.
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 use super::trajectory::TimedPose;
+use crate::turn::turn_angle_rad;
 
 /// A pose of the truth and the pose of the result that belongs to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +112,7 @@ pub fn relative_errors(pairs: &[PosePair], step: StepLength) -> RelativeErrors {
         let (true_shift, true_turn) = moved(&from.truth, &to.truth);
         let (shift, turn) = moved(&from.result, &to.result);
         errors.translation_m.push((shift - true_shift).norm());
-        let turn: Rotation3<f64> = (true_turn.inverse() * turn).to_rotation_matrix();
-        errors.rotation_rad.push(turn.angle());
+        errors.rotation_rad.push(turn_angle_rad(&(true_turn.inverse() * turn)));
     }
     errors
 }

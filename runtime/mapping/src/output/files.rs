@@ -32,19 +32,27 @@ pub fn map_files(mapper: &Mapper, map: &GridMap, trajectory: &[(f64, Se2)]) -> V
     let graph = mapper.graph();
     let path: Vec<Se2> = trajectory.iter().map(|(_, pose)| *pose).collect();
     let picture = Picture { map, path: &path, poses: &graph.poses, edges: &graph.edges };
-    let mut files = vec![
-        OutputFile::new("map.pgm", pgm(map)),
-        OutputFile::new("map.yaml", yaml(map, "map.pgm")),
+    let mut files = map_server_files(map, "map");
+    files.extend([
         OutputFile::new("trajectory.tum", write_tum(trajectory)),
         OutputFile::new("graph.g2o", write_g2o(&graph)),
         OutputFile::new("picture.png", draw(&picture)),
-    ];
+    ]);
     let maps = sub_maps(&mapper.tracker.nodes, &graph.poses, &SubMapConfig::default());
     let names: Vec<String> = (0..maps.len()).map(|index| format!("{index:04}")).collect();
     files.push(OutputFile::new("submaps/index.txt", index_text(&maps, &names)));
     for (map, name) in maps.iter().zip(&names) {
-        files.push(OutputFile::new(format!("submaps/{name}.pgm"), pgm(&map.map)));
-        files.push(OutputFile::new(format!("submaps/{name}.yaml"), yaml(&map.map, &format!("{name}.pgm"))));
+        files.extend(map_server_files(&map.map, &format!("submaps/{name}")));
     }
     files
+}
+
+/// The pair of files of a map, `NAME.pgm` and `NAME.yaml`; a `/` in the name makes a folder.
+#[must_use]
+pub fn map_server_files(map: &GridMap, name: &str) -> Vec<OutputFile> {
+    let picture = format!("{}.pgm", name.rsplit('/').next().unwrap_or(name));
+    vec![
+        OutputFile::new(format!("{name}.pgm"), pgm(map)),
+        OutputFile::new(format!("{name}.yaml"), yaml(map, &picture)),
+    ]
 }

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use floorguard_types::geometry::Point3;
 use las::point::Format;
-use las::{Builder, Point, Transform, Vector, Writer};
+use las::{Builder, Color, Point, Transform, Vector, Writer};
 
 /// A point of a survey.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,19 +15,24 @@ pub struct LasPoint {
     pub intensity: u16,
     /// Seconds on the clock of the recording.
     pub time_s: f64,
+    /// Red, green, blue; all points of a cloud have one, or none has.
+    pub colour: Option<[u8; 3]>,
 }
 
 /// Places are whole millimetres.
 const SCALE_M: f64 = 0.001;
 
-/// A cloud with times and reflectivity: version 1.2, format 1. The header bears no date: the same points give the same bytes.
+/// A cloud with times and reflectivity: version 1.2, format 1, or 3 where the first point has a colour. The header bears no date: the
+/// same points give the same bytes.
 ///
 /// # Errors
 /// A place is beyond ±2,147 km or not finite.
 pub fn las(points: impl Iterator<Item = LasPoint>) -> Result<Vec<u8>, las::Error> {
+    let mut points = points.peekable();
+    let has_colour = points.peek().is_some_and(|point| point.colour.is_some());
     let axis = Transform { scale: SCALE_M, offset: 0.0 };
     let mut builder = Builder::from((1, 2));
-    builder.point_format = Format::new(1)?;
+    builder.point_format = Format::new(if has_colour { 3 } else { 1 })?;
     builder.transforms = Vector { x: axis, y: axis, z: axis };
     builder.date = None;
     builder.generating_software = "floorguard".to_owned();
@@ -43,6 +48,10 @@ pub fn las(points: impl Iterator<Item = LasPoint>) -> Result<Vec<u8>, las::Error
             return_number: 1,
             number_of_returns: 1,
             gps_time: Some(point.time_s),
+            color: has_colour.then(|| {
+                let [red, green, blue] = point.colour.unwrap_or_default().map(|part| u16::from(part) * 257);
+                Color::new(red, green, blue)
+            }),
             ..Point::default()
         })?;
     }

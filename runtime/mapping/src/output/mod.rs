@@ -13,7 +13,7 @@ mod top_view;
 pub use cloud::{cloud_pcd, cloud_ply};
 pub(crate) use cloud_page::base64;
 pub use cloud_page::{CloudPage, cloud_page};
-pub use files::{OutputFile, map_files};
+pub use files::{OutputFile, map_files, map_server_files};
 pub use folder::{MARKER, MARKER_3D, ReplaceError, check_place, replace_folder};
 pub use las::{LasPoint, cloud_las, las};
 pub use map_server::{pgm, yaml};

@@ -1,13 +1,18 @@
-//! Scans with odometry out of what people have: CARMEN logs, recordings of floorguard, bags of ROS 2; and revolutions out of
-//! lidar captures.
+//! Scans with odometry out of what people have: CARMEN logs, recordings of floorguard, bags of ROS 2; and revolutions of a lidar
+//! out of captures, recordings and bags.
 
+mod aids;
 mod bag;
 mod carmen;
+mod cloud_sweep;
 mod drive;
 mod odometry;
 mod sieve;
+mod space_bag;
+mod space_drive;
 mod sweeps;
 
 pub use drive::{Drive, InputOptions, ReadSummary};
 pub use sieve::SieveCounters;
-pub use sweeps::{SweepsRead, count_sweeps, read_sweeps};
+pub use space_drive::SpaceDrive;
+pub use sweeps::SweepsRead;

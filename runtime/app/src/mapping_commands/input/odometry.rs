@@ -25,6 +25,16 @@ impl OdometryTrack {
         self.0.is_empty()
     }
 
+    /// Speed and turning rate without their signs, m/s and rad/s, between the two poses around a time; `None` in a gap.
+    pub fn speed_at(&self, time_s: f64) -> Option<[f64; 2]> {
+        let after = self.0.partition_point(|(other_s, _)| *other_s < time_s);
+        let (to_s, to) = self.0.get(after)?;
+        let (from_s, from) = self.0.get(after.checked_sub(1)?)?;
+        let motion = from.between(*to);
+        let seconds = to_s - from_s;
+        (seconds <= GAP_S).then(|| [motion.length_m() / seconds, motion.heading_rad.abs() / seconds])
+    }
+
     /// The pose at a time, between the two poses around it; `None` where odometry has a gap.
     pub fn at(&self, time_s: f64) -> Option<Se2> {
         let after = self.0.partition_point(|(other_s, _)| *other_s < time_s);

@@ -1,15 +1,12 @@
-//! Revolutions out of lidar captures: every return with its own time, cut where the azimuth begins anew.
-
-use std::path::{Path, PathBuf};
+//! Revolutions out of the datagrams of a lidar: every return with its own time, cut where the azimuth begins anew.
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Return, Returns, ReturnsOf};
 use floorguard_mapping::lidar_odometry::SweepReturn;
 use floorguard_mapping_host::lidar3d::SweepRecord;
-use floorguard_recording::capture::{Capture, LIDAR_DATA_PORT, settle_model};
 use floorguard_types::time::Stamp;
 
 /// Sensor times begin anew every hour, microseconds.
-const HOUR_US: i64 = 3_600_000_000;
+pub(super) const HOUR_US: i64 = 3_600_000_000;
 /// A revolution begins where the azimuth falls by more than this, hundredths of a degree: a lidar that is set to a field of
 /// view falls by little.
 const FALL_CDEG: u16 = 1_000;
@@ -29,58 +26,19 @@ pub struct SweepsRead {
     pub ended: Option<String>,
 }
 
-/// Reads the revolutions of captures, one after the other, and gives each to `take`.
-///
-/// # Errors
-/// A file that is no capture of a lidar, or what `take` says.
-pub fn read_sweeps(
-    files: &[PathBuf],
-    choice: ModelChoice,
-    take: &mut dyn FnMut(SweepRecord) -> anyhow::Result<()>,
-) -> anyhow::Result<SweepsRead> {
-    let mut read = SweepsRead::default();
-    let mut cutter: Option<Cutter> = None;
-    for file in files {
-        let model = settle_model(file, choice)?;
-        let cutter = match &mut cutter {
-            Some(cutter) if cutter.returns.model() == model => cutter,
-            other => other.insert(Cutter::new(model)),
-        };
-        if !cutter.read(file, &mut read, take)? {
-            break;
-        }
-    }
-    if let Some(cutter) = cutter {
-        cutter.finish(&mut read, take)?;
-    }
-    Ok(read)
-}
-
-/// Number of revolutions in captures, for the display of progress; 0 of what cannot be read.
-pub fn count_sweeps(files: &[PathBuf]) -> u64 {
-    let mut count = 0;
-    let mut last = None;
-    for file in files {
-        let Ok(capture) = Capture::open(file) else { continue };
-        for datagram in capture.flatten().filter(|datagram| datagram.destination_port == LIDAR_DATA_PORT) {
-            let Ok(packet) = Packet::new_checked(&datagram.payload) else { continue };
-            for azimuth in packet.azimuths() {
-                count += u64::from(begins(&mut last, azimuth));
-            }
-        }
-    }
-    count
-}
-
-fn begins(last: &mut Option<u16>, azimuth_cdeg: u16) -> bool {
+/// Whether a revolution begins with this azimuth.
+pub fn begins(last: &mut Option<u16>, azimuth_cdeg: u16) -> bool {
     azimuth_cdeg < 36_000
         && last
             .replace(azimuth_cdeg)
             .is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > FALL_CDEG)
 }
 
+/// Takes revolutions one by one.
+pub type SweepSink<'a> = dyn FnMut(SweepRecord) -> anyhow::Result<()> + 'a;
+
 /// Cuts the stream of one lidar.
-struct Cutter {
+pub struct Cutter {
     returns: Returns,
     /// Refuses what came twice or is no packet.
     decoder: Decoder,
@@ -91,10 +49,13 @@ struct Cutter {
     hours_us: i64,
     largest: usize,
     has_begun: bool,
+    /// From the clock of the lidar to that of the log, microseconds.
+    offset_us: i64,
 }
 
 impl Cutter {
-    fn new(model: Model) -> Self {
+    /// For one model; `offset_us` leads from its clock to that of the log.
+    pub fn new(model: Model, offset_us: i64) -> Self {
         Self {
             returns: Returns::new(model),
             decoder: Decoder::new(ModelChoice::Fixed(model)),
@@ -105,41 +66,36 @@ impl Cutter {
             hours_us: 0,
             largest: 0,
             has_begun: false,
+            offset_us,
         }
     }
 
-    /// True if the file could be read to its end.
-    fn read(
+    /// The lidar that it cuts the stream of.
+    pub const fn model(&self) -> Model {
+        self.returns.model()
+    }
+
+    /// A datagram of the lidar.
+    ///
+    /// # Errors
+    /// What `take` says.
+    pub fn datagram(
         &mut self,
-        file: &Path,
+        (payload, arrival): (&[u8], Stamp),
         read: &mut SweepsRead,
-        take: &mut dyn FnMut(SweepRecord) -> anyhow::Result<()>,
-    ) -> anyhow::Result<bool> {
-        for datagram in Capture::open(file)? {
-            let datagram = match datagram {
-                Ok(datagram) => datagram,
-                Err(error) => {
-                    read.ended = Some(error.to_string());
-                    return Ok(false);
-                }
-            };
-            if datagram.destination_port != LIDAR_DATA_PORT {
-                continue;
-            }
-            read.packets += 1;
-            let arrival = Stamp::from_micros(datagram.captured_us);
-            let accepted = self.decoder.decode(&datagram.payload, arrival).is_ok();
-            let Some(packet) = Packet::new_checked(&datagram.payload).ok().filter(|_| accepted) else {
-                read.refused += 1;
-                continue;
-            };
-            let stamp_us = packet.stamp_us();
-            if self.last_stamp_us.replace(stamp_us).is_some_and(|last| last > stamp_us) {
-                self.hours_us += HOUR_US;
-            }
-            self.packet(&packet, self.hours_us + i64::from(stamp_us), read, take)?;
+        take: &mut SweepSink<'_>,
+    ) -> anyhow::Result<()> {
+        read.packets += 1;
+        let accepted = self.decoder.decode(payload, arrival).is_ok();
+        let Some(packet) = Packet::new_checked(payload).ok().filter(|_| accepted) else {
+            read.refused += 1;
+            return Ok(());
+        };
+        let stamp_us = packet.stamp_us();
+        if self.last_stamp_us.replace(stamp_us).is_some_and(|last| last > stamp_us) {
+            self.hours_us += HOUR_US;
         }
-        Ok(true)
+        self.packet(&packet, self.hours_us + i64::from(stamp_us) + self.offset_us, read, take)
     }
 
     fn packet(
@@ -147,7 +103,7 @@ impl Cutter {
         packet: &Packet<'_>,
         stamp_us: i64,
         read: &mut SweepsRead,
-        take: &mut dyn FnMut(SweepRecord) -> anyhow::Result<()>,
+        take: &mut SweepSink<'_>,
     ) -> anyhow::Result<()> {
         let mut found = Vec::new();
         self.returns.for_each(packet, ReturnsOf::DistinctEchoes, |each| found.push(each));
@@ -167,7 +123,7 @@ impl Cutter {
     fn complete(
         &mut self,
         read: &mut SweepsRead,
-        take: &mut dyn FnMut(SweepRecord) -> anyhow::Result<()>,
+        take: &mut SweepSink<'_>,
     ) -> anyhow::Result<()> {
         let building = std::mem::take(&mut self.building);
         self.largest = self.largest.max(building.len());
@@ -179,10 +135,13 @@ impl Cutter {
     }
 
     /// What is left belongs to a revolution without an end: used if it is most of one.
-    fn finish(
+    ///
+    /// # Errors
+    /// What `take` says.
+    pub fn finish(
         mut self,
         read: &mut SweepsRead,
-        take: &mut dyn FnMut(SweepRecord) -> anyhow::Result<()>,
+        take: &mut SweepSink<'_>,
     ) -> anyhow::Result<()> {
         let building = std::mem::take(&mut self.building);
         if self.has_begun && (building.len() as f64) < PART * self.largest as f64 {

@@ -181,7 +181,7 @@ fn points(cloud: &Cloud<'_>) -> Result<Vec<Point>, CloudError> {
     if cloud.point_step == 0 || row_step == 0 {
         return if cloud.width * cloud.height == 0 { Ok(Vec::new()) } else { Err(CloudError::Sizes) };
     }
-    let number = |point: &[u8], field: &Field| number(point, field, cloud.big_endian);
+    let number = |point: &[u8], field: &Field| cloud_number(point, field, cloud.big_endian);
     let mut found = Vec::new();
     for (row, bytes) in (0_u16..).zip(cloud.data.chunks(row_step).take(cloud.height)) {
         for point in bytes.chunks_exact(cloud.point_step).take(cloud.width) {
@@ -205,7 +205,7 @@ fn points(cloud: &Cloud<'_>) -> Result<Vec<Point>, CloudError> {
 }
 
 /// A number of a point; the types are those of `sensor_msgs/msg/PointField`.
-pub(crate) fn number(point: &[u8], field: &Field, big_endian: bool) -> Option<f64> {
+pub(crate) fn cloud_number(point: &[u8], field: &Field, big_endian: bool) -> Option<f64> {
     fn take<const N: usize>(point: &[u8], at: usize, big_endian: bool) -> Option<[u8; N]> {
         let mut bytes = *point.get(at..)?.first_chunk::<N>()?;
         if big_endian {

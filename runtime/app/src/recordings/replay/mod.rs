@@ -14,7 +14,6 @@ mod scanner_line;
 mod scans;
 mod summary;
 
-pub(crate) use cloud::number as cloud_number;
 
 use std::fs::File;
 use std::io::BufReader;
@@ -26,6 +25,8 @@ use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::{beginning, must_be_a_file, unpacked};
 use floorguard_recording::Recording;
 use floorguard_recording::replay::is_replayable;
+
+pub(crate) use cloud::cloud_number;
 
 /// First bytes of an MCAP file.
 pub(crate) const MCAP_MAGIC: &[u8] = b"\x89MCAP";
