@@ -14,11 +14,13 @@ mod fusion;
 mod geometry;
 mod insert;
 mod lidar;
+mod look;
 mod motor;
 mod panorama;
 mod people;
 mod plan;
 mod sight;
+mod turn;
 mod window;
 
 pub use arrow::{MovementArrow, MovementArrows, SIGHTING_SIGMA_M, Sighting};
