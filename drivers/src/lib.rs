@@ -30,6 +30,8 @@ pub mod discrete_inputs;
 pub mod flexisoft;
 pub mod microscan3;
 pub mod s300;
+pub mod scan_motor;
+pub mod scip;
 pub mod three_wheel_base;
 pub mod velocity_link;
 pub mod velodyne;
