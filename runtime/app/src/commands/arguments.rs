@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::mapping_commands::{CleanArguments, LocaliseArguments, Map3dArguments, MapArguments};
+use crate::mapping_commands::{
+    CleanArguments, LocaliseArguments, Map3dArguments, MapArguments, WindowArguments,
+};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -91,6 +93,9 @@ pub enum Command {
     Map3d(Map3dArguments),
     /// Take what moved out of a lidar capture: clouds without people, and what was removed.
     CleanMap(CleanArguments),
+    /// See with a lidar that a motor turns: surfaces around the robot, floor and ceiling, people, from a recording or a simulated
+    /// room.
+    Window(WindowArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.

@@ -84,6 +84,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
+        Some(Command::Window(arguments)) => mapping_commands::window(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),

@@ -11,6 +11,7 @@ mod map3d;
 mod progress;
 mod report;
 mod summary;
+mod window;
 
 pub use arguments::{DriveArguments, LocaliseArguments, Map3dArguments, MapArguments, SlamArguments};
 pub use clean::{CleanArguments, run as clean_map};
@@ -18,3 +19,4 @@ pub use eval_slam::run as eval_slam;
 pub use localise::run as localise;
 pub use map::run as map;
 pub use map3d::run as map3d;
+pub use window::{WindowArguments, run as window};
