@@ -12,3 +12,6 @@ mod simulated;
 
 pub use arguments::WindowArguments;
 pub use command::run;
+
+#[cfg(all(test, feature = "laboratory"))]
+mod tests;
