@@ -133,7 +133,7 @@ fn it_is_enabled_step_by_step() {
 }
 
 #[test]
-fn faults_are_told_once_and_left_on_demand() {
+fn faults_are_reported_once_and_left_on_demand() {
     let mut bench = Bench::new();
     for _ in 0..1_000 {
         bench.step();
@@ -166,7 +166,7 @@ fn a_node_that_is_gone_is_reported() {
         bench.motor.poll(now, &mut |event| events.push(event), &mut |_| {});
     }
     assert_eq!(events, [ScanMotorEvent::Fault(ScanMotorFault::Lost)]);
-    // An angle of a node that nobody synchronised belongs to no time.
+    // An angle without a SYNC before it belongs to no time.
     bench.now_us += 4_000_000;
     let before = bench.motor.counters();
     bench.hear(0x18B, &[0x37, 0x02, 1, 2, 3, 4]);

@@ -133,7 +133,7 @@ mod tests {
 
     /// The counter begins anywhere, ends in between, and counts whole milliseconds; question and answer take 1 to 9 ms.
     #[test]
-    fn read_clocks_are_right_to_half_a_round_trip() {
+    fn stamps_are_right_to_half_the_trip() {
         for begin in [0_u64, 5_000, (1 << 24) - 3_000, (1 << 24) - 1] {
             let mut clock = ScipClock::default();
             let counter = |us: u64| ((begin * 1_000 + us) / 1_000 % (1 << 24)) as u32;

@@ -82,7 +82,7 @@ pub enum DevicePhase {
 pub enum DeviceEvent<'a> {
     /// A scan.
     Scan(&'a MeasuredScan),
-    /// It said what it is: its first scan follows.
+    /// Its geometry: the first scan follows.
     Parameters(SensorParameters),
     /// It refuses, is interrupted or in trouble.
     Fault(Status),
@@ -270,7 +270,7 @@ impl Session {
             // Whatever it says to that.
             (DevicePhase::Greeting, b"SC") => Some(DevicePhase::Stopping),
             (DevicePhase::Stopping, b"QT") => Some(DevicePhase::Asking),
-            // Time is being told already, or not at all: the arrivals serve.
+            // It tells its time already; or it cannot, and the arrivals serve.
             (DevicePhase::ReadingClock(0), b"TM") => Some(match status {
                 Status::Accepted | Status::Refused([b'0', b'2']) => DevicePhase::ReadingClock(1),
                 _ => DevicePhase::Starting,

@@ -11,7 +11,8 @@ fn at(micros: u64) -> Stamp {
     Stamp::from_micros(micros)
 }
 
-const PARAMETERS: &str = "PP\n00P\nDMIN:20;4\nDMAX:5600;_\nARES:1024;\\\nAMIN:44;7\nAMAX:725;o\nAFRT:384;6\nSCAN:600;e\n\n";
+const PARAMETERS: &str =
+    "PP\n00P\nDMIN:20;4\nDMAX:5600;_\nARES:1024;\\\nAMIN:44;7\nAMAX:725;o\nAFRT:384;6\nSCAN:600;e\n\n";
 
 /// A URG that answers after 2 ms; its counter began at a number, and a scan is sent 110 ms after step 0.
 struct Sensor {

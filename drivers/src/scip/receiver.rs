@@ -74,7 +74,7 @@ pub enum RefusedReply {
     BrokenOff,
 }
 
-/// What the sensor said.
+/// What the sensor sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reply<'a> {
     /// A scan.
@@ -106,6 +106,14 @@ pub struct ReceiverCounters {
     pub refused: u32,
     /// Of them with a wrong check character.
     pub check_characters: u32,
+}
+
+impl ReceiverCounters {
+    fn count(&mut self, refused: RefusedReply) {
+        self.refused = self.refused.saturating_add(1);
+        let is_sum = u32::from(refused == RefusedReply::CheckCharacter);
+        self.check_characters = self.check_characters.saturating_add(is_sum);
+    }
 }
 
 /// What the echo promises.
@@ -185,7 +193,7 @@ impl Receiver {
         let is_silent = matches!(self.last_byte.age(now), Age::Past(us) if us > SILENCE_US);
         if is_silent && (self.expects != Expects::Echo || !self.line.is_empty()) {
             self.restart();
-            self.count_refused(RefusedReply::BrokenOff);
+            self.counters.count(RefusedReply::BrokenOff);
             event(Reply::Refused(RefusedReply::BrokenOff));
         }
         self.counters.bytes = self.counters.bytes.saturating_add(truncating_u32(bytes.len()));
@@ -343,20 +351,10 @@ impl Receiver {
         };
         match reply {
             Reply::Scan(_) => self.counters.scans = self.counters.scans.saturating_add(1),
-            Reply::Refused(refused) => {
-                self.counters.refused = self.counters.refused.saturating_add(1);
-                let is_sum = u32::from(refused == RefusedReply::CheckCharacter);
-                self.counters.check_characters = self.counters.check_characters.saturating_add(is_sum);
-            }
+            Reply::Refused(refused) => self.counters.count(refused),
             _ => {}
         }
         event(reply);
-    }
-
-    fn count_refused(&mut self, refused: RefusedReply) {
-        self.counters.refused = self.counters.refused.saturating_add(1);
-        let is_sum = u32::from(refused == RefusedReply::CheckCharacter);
-        self.counters.check_characters = self.counters.check_characters.saturating_add(is_sum);
     }
 
     fn whole_scan(&self) -> Result<(), RefusedReply> {
@@ -379,7 +377,7 @@ struct ScanEcho {
 }
 
 impl ScanEcho {
-    /// `None` for other commands, and for numbers that are none.
+    /// `None` for other commands, and where digits are missing.
     fn of(line: &[u8]) -> Option<Self> {
         let (&[command, letter], numbers) = line.split_first_chunk::<2>()?;
         let kind = RangeKind::of_letter(letter)?;

@@ -24,7 +24,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// A room by its name: `box` (the published box 1 m ahead), `office` (table, cupboard, shelf), `person` (somebody walks through
+    /// A room by its name: `box` (the published box 1 m ahead), `office` (table, cupboard, shelf), `person` (a person walks through
     /// the office), `drive` (the robot turns and drives in the office).
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {

@@ -63,7 +63,8 @@ pub fn play(
     arguments: &WindowArguments,
     (scans, servo): (&Path, &Path),
 ) -> Result<(WindowMap, Recorded), BadInput> {
-    let (scans, servo) = (rows(scans, HEAD + 2)?, rows(servo, 2)?);
+    // A scan without any range is a row, too.
+    let (scans, servo) = (rows(scans, HEAD)?, rows(servo, 2)?);
     let mut map = WindowMap::new(arguments, LidarMount::PUBLISHED)?;
     let mut recorded = Recorded::default();
     let mut newest = Stamp::ZERO;

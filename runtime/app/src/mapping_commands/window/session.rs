@@ -21,9 +21,9 @@ pub struct Session {
     track: MotorTrack,
     waiting: Vec<MeasuredScan>,
     poses: Vec<(Stamp, Pose2)>,
-    /// Of the lidar: what its parameters say, once it has told them.
+    /// The lidar's parameters, once they have come.
     pub lidar: Option<String>,
-    /// What the motor or the lidar said went wrong.
+    /// What motor and lidar reported as wrong.
     pub faults: Vec<String>,
 }
 

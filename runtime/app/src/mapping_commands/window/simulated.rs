@@ -43,29 +43,7 @@ pub struct Simulated {
 /// # Errors
 /// A room that is not there, or cells that no window has.
 pub fn play(arguments: &WindowArguments, name: &str) -> anyhow::Result<Simulated> {
-    let rooms = ROOMS.join(", ");
-    let room = Room::named(name).ok_or_else(|| WrongUsage(format!("no room {name}; there are {rooms}")))?;
-    let (model, lidar) = match arguments.lidar {
-        LidarArgument::Urg => (LidarModel::Urg04lx, DeviceConfiguration::URG_04LX),
-        LidarArgument::Ust => (LidarModel::Ust10lx, DeviceConfiguration::UST_10LX),
-    };
-    let faults = arguments.fault.map(|fault| match fault {
-        FaultArgument::MotorStalled => RigFault::MotorStalled { from_us: 10_000_000 },
-        FaultArgument::AnglesLost => RigFault::AnglesLost { every: 6 },
-        FaultArgument::DamagedCheck => RigFault::DamagedCheck { every: 3 },
-    });
-    let mut rig = Rig::new(room, model, (faults.into_iter().collect(), arguments.seed));
-    let mut motor = ScanMotorConfiguration::PUBLISHED;
-    if name == "person" {
-        // Two sweeps within two seconds, where somebody walks.
-        (motor.left_rad, motor.right_rad, motor.speed_radps) = (0.65, -0.65, 1.0);
-    }
-    let mount = LidarMount {
-        range_max_mm: u16::try_from(lidar.farthest_mm.min(7_000)).unwrap_or(u16::MAX),
-        ..LidarMount::PUBLISHED
-    };
-    let mut map = WindowMap::new(arguments, mount)?;
-    let mut session = Session::new(lidar, motor);
+    let (mut rig, mut map, mut session) = set_up(arguments, name)?;
     let mut next_picture_us = PICTURE_US;
     for step in 1..=arguments.seconds * 1_000_000 / STEP_US {
         let now_us = step * STEP_US;
@@ -97,6 +75,33 @@ pub fn play(arguments: &WindowArguments, name: &str) -> anyhow::Result<Simulated
     }
     let panorama = panorama(&rig);
     Ok(Simulated { map, session, panorama })
+}
+
+fn set_up(arguments: &WindowArguments, name: &str) -> anyhow::Result<(Rig, WindowMap, Session)> {
+    let rooms = ROOMS.join(", ");
+    let room = Room::named(name)
+        .ok_or_else(|| WrongUsage(format!("{name}: this room is not there; there are {rooms}")))?;
+    let (model, lidar) = match arguments.lidar {
+        LidarArgument::Urg => (LidarModel::Urg04lx, DeviceConfiguration::URG_04LX),
+        LidarArgument::Ust => (LidarModel::Ust10lx, DeviceConfiguration::UST_10LX),
+    };
+    let faults = arguments.fault.map(|fault| match fault {
+        FaultArgument::MotorStalled => RigFault::MotorStalled { from_us: 10_000_000 },
+        FaultArgument::AnglesLost => RigFault::AnglesLost { every: 6 },
+        FaultArgument::DamagedCheck => RigFault::DamagedCheck { every: 3 },
+    });
+    let rig = Rig::new(room, model, (faults.into_iter().collect(), arguments.seed));
+    let mut motor = ScanMotorConfiguration::PUBLISHED;
+    if name == "person" {
+        // Two sweeps within two seconds, where the person walks.
+        (motor.left_rad, motor.right_rad, motor.speed_radps) = (0.65, -0.65, 1.0);
+    }
+    let mount = LidarMount {
+        range_max_mm: u16::try_from(lidar.farthest_mm.min(7_000)).unwrap_or(u16::MAX),
+        ..LidarMount::PUBLISHED
+    };
+    let map = WindowMap::new(arguments, mount)?;
+    Ok((rig, map, Session::new(lidar, motor)))
 }
 
 fn see_people(rig: &Rig, now: Stamp, map: &mut WindowMap) {

@@ -84,7 +84,7 @@ fn the_robot_may_turn_and_drive() {
 }
 
 #[test]
-fn somebody_who_walks_is_no_surface() {
+fn a_person_who_walks_is_no_surface() {
     let Simulated { map, .. } = played("person", "12", &[]);
     assert!(map.taken.people > 200, "{} points on people", map.taken.people);
     let walks = map.arrows();
@@ -140,8 +140,8 @@ fn recordings_become_maps() {
         let arguments = arguments(&words);
         let outcome = super::run(&arguments);
         // Angles are missing where none was sent for a while: more than a fifth, and the command says so.
-        let told = outcome.err().map(|error| error.to_string()).unwrap_or_default();
-        assert!(told.is_empty() || told.contains("no angle of the servo"), "{name}: {told}");
+        let words = outcome.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(words.is_empty() || words.contains("no angle of the servo"), "{name}: {words}");
         let summary: serde_json::Value =
             serde_json::from_str(&std::fs::read_to_string(place.join("summary.json")).unwrap()).unwrap();
         assert_eq!(summary["recorded_scans"], scans, "{name}");
