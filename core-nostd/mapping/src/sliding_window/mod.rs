@@ -38,7 +38,7 @@ pub use geometry::WindowGeometry;
 pub use insert::Inserted;
 pub use lidar::{ColumnScan, LidarMount};
 pub use motor::{ANGLE_GAP_MAX_US, MotorSample, MotorTrack};
-pub use panorama::{MIRROR_STEPS, Mirror, NO_SOURCE, PanoramaGeometry, PictureSize, StripPixel};
+pub use panorama::{MIRROR_STEPS, Mirror, MirrorMark, NO_SOURCE, PanoramaGeometry, PictureSize, StripPixel};
 pub use people::{BOX_VALID_US, PersonBox, PersonBoxes};
 pub use plan::{PLAN_RESOLUTION_M, Plan, PlanCell, PlanChange};
 pub use sight::{SightLimits, SightPolygon};

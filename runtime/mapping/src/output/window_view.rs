@@ -14,7 +14,9 @@ use crate::grid_map::GridMap;
 
 /// Pixels of a cell's edge.
 const CELL_PX: u32 = 4;
-const PLAN_PX: u32 = 8;
+const PLAN_PX: u32 = 16;
+/// Cells around what is known of a plan.
+const MARGIN: u32 = 3;
 /// Between two grids, pixels.
 const GAP_PX: u32 = 8;
 const PAPER: Rgb<u8> = Rgb([250, 250, 250]);
@@ -133,7 +135,34 @@ pub fn draw_plan(
             }
         }
     }
-    png(&image)
+    let [low, high] = known(plan);
+    let (width, height) = (high[0] - low[0], high[1] - low[1]);
+    let top = rows - high[1];
+    png(&image::imageops::crop_imm(
+        &image,
+        low[0] * PLAN_PX,
+        top * PLAN_PX,
+        width * PLAN_PX,
+        height * PLAN_PX,
+    )
+    .to_image())
+}
+
+/// Columns and rows between which something is known, with a margin: the first, and the one after the last.
+fn known(plan: &Plan<Vec<PlanCell>>) -> [[u32; 2]; 2] {
+    let geometry = plan.grid().geometry();
+    let sides = [geometry.columns() as u32, geometry.rows() as u32];
+    let (mut low, mut high) = (sides, [0, 0]);
+    for (index, cell) in plan.grid().values().iter().enumerate() {
+        if cell.floor_m().is_some() || cell.ceiling_m().is_some() {
+            let place = [index as u32 % sides[0], index as u32 / sides[0]];
+            for axis in 0..2 {
+                low[axis] = low[axis].min(place[axis].saturating_sub(MARGIN));
+                high[axis] = high[axis].max((place[axis] + 1 + MARGIN).min(sides[axis]));
+            }
+        }
+    }
+    if low[0] < high[0] { [low, high] } else { [[0, 0], sides] }
 }
 
 /// The floor as a map of three values, with the order and the rounding of an occupancy export: occupied above a step of 5 cm

@@ -3,9 +3,9 @@
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::scan_motor::ScanMotorConfiguration;
 use floorguard_drivers::scip::DeviceConfiguration;
-use floorguard_host::outcome::WrongUsage;
+use floorguard_host::outcome::{BadInput, WrongUsage};
 use floorguard_mapping::sliding_window::{
-    LidarMount, Mirror, NO_SOURCE, PanoramaGeometry, PersonBox, PersonBoxes, PictureSize,
+    LidarMount, Mirror, MirrorMark, NO_SOURCE, PanoramaGeometry, PersonBox, PersonBoxes, PictureSize,
 };
 use floorguard_sim::actuated::{LidarModel, MIRROR, ROOMS, Rig, RigEvent, RigFault, Room};
 use floorguard_sim::can::CanFrame as SimulatedFrame;
@@ -73,7 +73,7 @@ pub fn play(arguments: &WindowArguments, name: &str) -> anyhow::Result<Simulated
             rig.receive_can(&SimulatedFrame::new(id, frame.payload()));
         }
     }
-    let panorama = panorama(&rig);
+    let panorama = panorama(&rig)?;
     Ok(Simulated { map, session, panorama })
 }
 
@@ -119,9 +119,12 @@ fn see_people(rig: &Rig, now: Stamp, map: &mut WindowMap) {
 }
 
 /// The ring of the camera becomes a strip by the table of its calibrated mirror.
-fn panorama(rig: &Rig) -> Panorama {
-    let steps = Mirror::linear(1.0, 0.0).map_or([0.0; 16], |shares| shares.elevations_rad);
-    let mirror = Mirror { elevations_rad: steps.map(|share| MIRROR.elevation_rad(share)) };
+fn panorama(rig: &Rig) -> Result<Panorama, BadInput> {
+    // Marks of known elevation, as a calibration finds them: the upper row is the outer circle.
+    let marks = [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0]
+        .map(|part| MirrorMark { part, elevation_rad: MIRROR.elevation_rad(1.0 - part) });
+    let mirror = Mirror::from_marks(&marks)
+        .ok_or_else(|| BadInput("the marks of the mirror are in disorder".to_owned()))?;
     let middle = MIRROR.side as f32 / 2.0;
     let geometry = PanoramaGeometry {
         centre_x: middle,
@@ -152,5 +155,5 @@ fn panorama(rig: &Rig) -> Panorama {
         let from = table[row * columns + of_ring] as usize * 3;
         source.get(from..from + 3).map_or([0; 3], |pixel| [pixel[0], pixel[1], pixel[2]])
     });
-    Panorama { geometry, pixels: pixels.collect(), pose: rig.pose() }
+    Ok(Panorama { geometry, pixels: pixels.collect(), pose: rig.pose() })
 }
