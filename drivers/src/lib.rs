@@ -32,6 +32,8 @@ pub mod hesai;
 pub mod lidar;
 pub mod microscan3;
 pub mod s300;
+pub mod scan_motor;
+pub mod scip;
 pub mod three_wheel_base;
 pub mod velocity_link;
 pub mod velodyne;

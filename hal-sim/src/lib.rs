@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod actuated;
 pub mod can;
 pub mod dirt;
 pub mod faults;

@@ -31,12 +31,13 @@ pub enum CellContent {
 
 /// One cell. Invariant: the place within the cell is meaningless where `content` is empty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(align(4))] // A copy is two words.
 pub struct WindowCell {
     /// In [`ELEVATION_STEP_M`].
     pub(super) elevation: u16,
     /// When it was written, tenths of a second, wrapping.
     pub(super) tick: u16,
-    /// Place within the cell, in 254ths of its edge from the centre.
+    /// Place within the cell, in 256ths of its edge from the centre.
     pub(super) along: i8,
     pub(super) up: i8,
     pub(super) content: CellContent,

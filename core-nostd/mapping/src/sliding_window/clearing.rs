@@ -6,14 +6,16 @@
 //! objects may be.
 
 use floorguard_types::geometry::{Point2, Point3, wrap_angle};
-use floorguard_types::number::exact_usize;
+use floorguard_types::number::{exact_usize, truncating_u32};
 use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
 
 use super::cell::{CellContent, WindowCell};
+use super::column::Column;
 use super::compensation::Rigid;
 use super::face::Face;
 use super::geometry::SIDE_MAX;
+use super::look::{Edges, Look, Scans, Stand};
 use super::window::SlidingWindow;
 
 /// Scans farther apart in time say nothing about what lies between them, microseconds: two scans and a half.
@@ -24,9 +26,12 @@ const SWEEP_MAX_RAD: f32 = 0.174_533;
 const GAP_CELLS: f32 = 4.0;
 /// Half of a grid's sector and some more, radians: 40°.
 const SECTOR_RAD: f32 = 0.698;
-/// The wedge is widened by this for the search, radians: the robot moved between the scans.
+/// The wedge is widened by this for the search, radians: rounding, and at most this where the robot moved between the scans.
+const STILL_EDGE_RAD: f32 = 0.003;
 const EDGE_RAD: f32 = 0.02;
-/// Cells of one row that a wedge of 10° may empty at once.
+/// What it saw from its former place at this distance has moved aside by the movement over it, metres.
+const NEAREST_M: f32 = 0.3;
+/// Cells of one column that a wedge may empty at once.
 const GONE_MAX: usize = 64;
 
 /// Directions from the robot's centre in the window's frame that were swept: from the right one to the left one, radians.
@@ -78,7 +83,8 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
     }
 
     /// Empties what both scans see through, and places of people without a box. Returns how many cells. Cost: one pass over
-    /// the columns that the wedge touches, about a quarter of a grid; four arc tangents for each cell within the wedge.
+    /// the columns that the wedge touches, about a quarter of a grid, nine instructions a cell; 60 for each cell within the
+    /// wedge, and four arc tangents where the newest scan sees through it.
     pub(super) fn clear_swept(&mut self, wedge: SweptWedge, now: Stamp) -> u32 {
         if !self.options.clears_swept {
             return 0;
@@ -88,53 +94,78 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         let mut cleared = 0_u32;
         for face in Face::ALL {
             let Some(range) = self.columns_of(face, wedge) else { continue };
-            for row in 0..self.geometry.rows().min(SIDE_MAX) {
-                let gone = self.gone_in_row((face, row, &range), &edges, (&odometry_from_window, now));
-                for index in &gone {
-                    if let Some(cell) = self.cells_mut(face).get_mut(*index) {
-                        *cell = WindowCell::EMPTY;
-                        cleared = cleared.saturating_add(1);
-                    }
-                }
+            let look = Look::of(face, self, &edges);
+            for column in range.first..range.end.min(SIDE_MAX) {
+                let gone = self.clear_column((face, column), &look, (&odometry_from_window, now));
+                cleared = cleared.saturating_add(gone);
             }
         }
         self.counters.cells_cleared = self.counters.cells_cleared.saturating_add(cleared);
         cleared
     }
 
-    /// Both ends of the wedge around the lidar's axis.
-    fn edges_of(&self, wedge: SweptWedge) -> Edges {
-        let (right_sin, right_cos) = libm::sincosf(wedge.from_rad - EDGE_RAD);
-        let (left_sin, left_cos) = libm::sincosf(wedge.to_rad + EDGE_RAD);
-        let axis = Rigid::of(self.frame_in_odometry().inverse()).transform_flat(self.newest.axis());
-        Edges { axis, right: Point2::new(right_cos, right_sin), left: Point2::new(left_cos, left_sin) }
-    }
-
-    /// Cells of a row that both scans pass and that are not there any more; at most 64, others wait for the next sweep.
-    fn gone_in_row(
-        &self,
-        (face, row, range): (Face, usize, &ColumnRange),
-        edges: &Edges,
+    /// Empties cells of a column that both scans pass and that are not there any more; at most 64, others wait for the next
+    /// sweep.
+    fn clear_column(
+        &mut self,
+        (face, column): (Face, usize),
+        look: &Look,
         (odometry_from_window, now): (&Rigid, Stamp),
-    ) -> Vec<usize, GONE_MAX> {
-        let mut gone = Vec::new();
-        let start = row.saturating_mul(self.geometry.columns());
-        let ends = start.saturating_add(range.first)..start.saturating_add(range.end);
-        let cells = self.cells(face).get(ends).unwrap_or(&[]);
-        for (number, cell) in cells.iter().enumerate() {
-            if cell.content == CellContent::Empty {
-                continue;
-            }
-            let index = start.saturating_add(range.first).saturating_add(number);
-            let in_window = face.point(self.geometry.place(index, cell));
-            if edges.contain(in_window)
-                && self.is_seen_through((cell, in_window), odometry_from_window.transform(in_window), now)
+    ) -> u32 {
+        let Some(depths) = look.depths(column) else { return 0 };
+        let columns = self.geometry.columns().max(1);
+        let scans = Scans { newest: &self.newest, previous: &self.previous };
+        let mut gone = Vec::<usize, GONE_MAX>::new();
+        let cells = self.cells(face);
+        let mut index = column;
+        for row in 0..self.geometry.rows().min(SIDE_MAX) {
+            let Some(cell) = cells.get(index) else { break };
+            // An empty cell has elevation 0.
+            if cell.elevation.wrapping_sub(depths.first) <= depths.span && cell.content != CellContent::Empty
             {
-                // Full: the rest waits.
-                let _full = gone.push(index);
+                let may_be_gone =
+                    cell.content == CellContent::Person || look.may_see_through((column, row), cell, scans);
+                if may_be_gone && self.is_gone((face, index, cell), odometry_from_window, now) {
+                    // Full: the rest waits.
+                    let _full = gone.push(index);
+                }
+            }
+            index = index.saturating_add(columns);
+        }
+        for index in &gone {
+            if let Some(cell) = self.cells_mut(face).get_mut(*index) {
+                *cell = WindowCell::EMPTY;
             }
         }
-        gone
+        truncating_u32(gone.len())
+    }
+
+    #[inline(never)]
+    fn is_gone(
+        &self,
+        (face, index, cell): (Face, usize, &WindowCell),
+        odometry_from_window: &Rigid,
+        now: Stamp,
+    ) -> bool {
+        let in_window = face.point(self.geometry.place(index, cell));
+        self.is_seen_through((cell, in_window), odometry_from_window.transform(in_window), now)
+    }
+
+    /// Both ends of the wedge around the lidar's axis.
+    fn edges_of(&self, wedge: SweptWedge) -> Edges {
+        let frame = self.frame_in_odometry();
+        let window_from_odometry = Rigid::of(frame.inverse());
+        let stand = |scan: &Column| Stand::of(scan, &window_from_odometry, frame.heading_rad);
+        let moved_m = self.previous.axis().distance(self.newest.axis());
+        let edge_rad = STILL_EDGE_RAD + (moved_m / NEAREST_M).min(EDGE_RAD);
+        let (right_sin, right_cos) = libm::sincosf(wedge.from_rad - edge_rad);
+        let (left_sin, left_cos) = libm::sincosf(wedge.to_rad + edge_rad);
+        Edges {
+            right: Point2::new(right_cos, right_sin),
+            left: Point2::new(left_cos, left_sin),
+            newest: stand(&self.newest),
+            previous: stand(&self.previous),
+        }
     }
 
     fn columns_of(&self, face: Face, wedge: SweptWedge) -> Option<ColumnRange> {
@@ -166,34 +197,23 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         now: Stamp,
     ) -> bool {
         let mount = &self.options.mount;
-        let (before, after) = (self.previous.see(in_odometry, mount), self.newest.see(in_odometry, mount));
-        let (right_rad, left_rad) = (self.previous.beside_rad(&before), self.newest.beside_rad(&after));
+        let resolution_m = self.geometry.resolution_m();
+        let after = self.newest.see(in_odometry, mount);
+        // Most surfaces are still there: the cheapest question first.
+        if cell.content == CellContent::Surface && !self.newest.sees_through(&after, resolution_m) {
+            return false;
+        }
+        let before = self.previous.see(in_odometry, mount);
+        let right_rad = self.previous.beside_rad(&before, in_odometry);
+        let left_rad = self.newest.beside_rad(&after, in_odometry);
         let is_between = right_rad * left_rad <= 0.0;
         let apart_m = libm::fabsf(right_rad - left_rad) * after.distance_m;
-        let resolution_m = self.geometry.resolution_m();
         if !is_between || apart_m > GAP_CELLS * resolution_m {
             return false;
         }
         match cell.content {
             CellContent::Person => !self.people.masks(self.box_frame(now), in_window),
-            CellContent::Surface | CellContent::Empty => {
-                self.previous.sees_through(&before, resolution_m)
-                    && self.newest.sees_through(&after, resolution_m)
-            }
+            CellContent::Surface | CellContent::Empty => self.previous.sees_through(&before, resolution_m),
         }
-    }
-}
-
-/// A wedge around the lidar's axis in the window's frame.
-struct Edges {
-    axis: Point2,
-    right: Point2,
-    left: Point2,
-}
-
-impl Edges {
-    fn contain(&self, point: Point3) -> bool {
-        let (x, y) = (point.x_m - self.axis.x_m, point.y_m - self.axis.y_m);
-        self.right.x_m * y - self.right.y_m * x >= 0.0 && x * self.left.y_m - y * self.left.x_m >= 0.0
     }
 }

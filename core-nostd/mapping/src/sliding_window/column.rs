@@ -15,21 +15,22 @@ const MILLIMETRES: f32 = 1.0e3;
 #[derive(Clone, Debug)]
 pub(super) struct Column {
     pub(super) stamp: Stamp,
-    first_elevation_rad: f32,
+    pub(super) first_elevation_rad: f32,
     step_rad: f32,
+    pub(super) beams_per_rad: f32,
+    /// Part of the scan from beam to beam.
+    pub(super) part_of_beam: f32,
     /// Directions of the first and the last beam in odometry, radians.
     first_rad: f32,
     last_rad: f32,
     /// The axis in odometry.
     axis: Pose2,
-    beams: Vec<BeamReturn, WINDOW_BEAMS_MAX>,
+    pub(super) beams: Vec<BeamReturn, WINDOW_BEAMS_MAX>,
 }
 
 /// A point as the lidar sees it from its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Seen {
-    /// Direction from the axis in odometry, radians.
-    pub(super) azimuth_rad: f32,
     /// From the axis over the floor, metres.
     pub(super) distance_m: f32,
     elevation_rad: f32,
@@ -42,6 +43,8 @@ impl Column {
         stamp: Stamp::ZERO,
         first_elevation_rad: 0.0,
         step_rad: 1.0,
+        beams_per_rad: 1.0,
+        part_of_beam: 1.0,
         first_rad: 0.0,
         last_rad: 0.0,
         axis: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
@@ -62,6 +65,9 @@ impl Column {
         self.stamp = scan.first_beam;
         self.first_elevation_rad = scan.first_elevation_rad;
         self.step_rad = scan.step_rad;
+        // A scan was checked: its step is positive.
+        self.beams_per_rad = 1.0 / scan.step_rad;
+        self.part_of_beam = 1.0 / nearest_f32(scan.beams.len().saturating_sub(1)).max(1.0);
         self.axis = base_in_odometry.compose(Pose2::new(mount.axis_x_m, mount.axis_y_m, 0.0));
         self.first_rad = self.axis.heading_rad + angles.first_rad;
         self.last_rad = self.axis.heading_rad + angles.last_rad;
@@ -80,6 +86,16 @@ impl Column {
         Point2::new(self.axis.x_m, self.axis.y_m)
     }
 
+    /// Direction of the first beam in odometry, radians.
+    pub(super) const fn first_rad(&self) -> f32 {
+        self.first_rad
+    }
+
+    /// Direction of the last beam in odometry, radians.
+    pub(super) const fn last_rad(&self) -> f32 {
+        self.last_rad
+    }
+
     /// How far the scan is slanted, radians.
     pub(super) fn slant_rad(&self) -> f32 {
         libm::fabsf(self.last_rad - self.first_rad)
@@ -91,7 +107,6 @@ impl Column {
         let distance_m = libm::sqrtf(x * x + y * y);
         let (ahead, up) = (distance_m - mount.lever_arm_m, point.z_m - mount.height_m);
         Seen {
-            azimuth_rad: libm::atan2f(y, x),
             distance_m,
             elevation_rad: libm::atan2f(up, ahead),
             range_m: libm::sqrtf(ahead * ahead + up * up),
@@ -99,10 +114,11 @@ impl Column {
     }
 
     /// Direction of the beam of a point relative to the point's own direction, radians, left positive.
-    pub(super) fn beside_rad(&self, seen: &Seen) -> f32 {
+    pub(super) fn beside_rad(&self, seen: &Seen, point: Point3) -> f32 {
+        let azimuth_rad = libm::atan2f(point.y_m - self.axis.y_m, point.x_m - self.axis.x_m);
         let last = nearest_f32(self.beams.len().saturating_sub(1)).max(1.0);
         let part = (self.beam_of(seen) / last).clamp(0.0, 1.0);
-        wrap_angle(self.first_rad + part * (self.last_rad - self.first_rad) - seen.azimuth_rad)
+        wrap_angle(self.first_rad + part * (self.last_rad - self.first_rad) - azimuth_rad)
     }
 
     fn beam_of(&self, seen: &Seen) -> f32 {

@@ -6,8 +6,8 @@ use super::capacities::{WINDOW_HALF_WIDTH_M, WINDOW_HEIGHT_M};
 use super::cell::{ELEVATION_STEP_M, WindowCell};
 use super::face::FacePoint;
 
-/// Steps of a place within a cell, over its whole edge: ±127 from the centre.
-const STEPS_IN_CELL: f32 = 254.0;
+/// Steps of a place within a cell, over its whole edge: from −128 to 127 from the centre.
+const STEPS_IN_CELL: f32 = 256.0;
 /// Edges of cells, metres: below, noise of the lidar is larger than a cell; above, a person fits into one.
 const RESOLUTION_M: core::ops::RangeInclusive<f32> = 0.01..=0.5;
 /// Sides of a grid, cells: a bound of loops.
@@ -38,7 +38,7 @@ pub struct WindowGeometry {
 pub(super) struct Slot {
     /// Within its grid.
     pub(super) index: usize,
-    /// From the centre of the cell, in 254ths of its edge.
+    /// From the centre of the cell, in 256ths of its edge.
     pub(super) along: i8,
     pub(super) up: i8,
 }
@@ -59,8 +59,9 @@ fn part_of(from_corner: f32, cells: u16) -> Option<Part> {
     // Not negative: towards zero is downwards.
     let cell = saturating_usize(from_corner);
     let fraction = from_corner - nearest_f32(cell);
-    let steps = i16::from(saturating_u8(fraction * STEPS_IN_CELL + 0.5)).saturating_sub(127);
-    Some(Part { cell, steps: i8::try_from(steps).unwrap_or(i8::MAX) })
+    // Up to 255: the low eight bits of 128 less.
+    let steps = saturating_u8(fraction * STEPS_IN_CELL + 0.5).wrapping_sub(128).cast_signed();
+    Some(Part { cell, steps })
 }
 
 /// A place in a cell as a part of its edge, 0…1.
@@ -101,6 +102,11 @@ impl WindowGeometry {
     #[must_use]
     pub const fn resolution_m(&self) -> f32 {
         self.resolution_m
+    }
+
+    /// Half of the width of a grid, metres.
+    pub(super) const fn half_width_m(&self) -> f32 {
+        self.half_width_m
     }
 
     /// Cells along the floor.
@@ -153,12 +159,18 @@ impl WindowGeometry {
         (nearest_f32(column) + within(steps)) * self.resolution_m - self.half_width_m
     }
 
+    /// Height of something in a row.
+    #[inline]
+    pub(super) fn up_m(&self, row: usize, steps: i8) -> f32 {
+        (nearest_f32(row) + within(steps)) * self.resolution_m
+    }
+
     /// Where the content of a cell lies, as exactly as the cell keeps it.
     pub(super) fn place(&self, index: usize, cell: &WindowCell) -> FacePoint {
         let columns = self.columns().max(1);
         FacePoint {
             along_m: self.along_m(index % columns, cell.along),
-            up_m: (nearest_f32(index / columns) + within(cell.up)) * self.resolution_m,
+            up_m: self.up_m(index / columns, cell.up),
             elevation_m: f32::from(cell.elevation) * ELEVATION_STEP_M,
         }
     }
@@ -175,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_kept_to_a_254th() {
+    fn places_are_kept_to_a_256th() {
         let geometry = WindowGeometry::of_resolution(0.05).unwrap();
         let mut worst_m = 0.0_f32;
         for step in 0..4_000_u16 {
@@ -190,7 +202,8 @@ mod tests {
             worst_m = worst_m.max((back.along_m - seen.along_m).abs()).max((back.up_m - seen.up_m).abs());
             assert!((back.elevation_m - 1.0).abs() < 1e-6);
         }
-        assert!(worst_m <= 0.05 / 508.0 + 2e-6, "{worst_m}");
+        // Half a step; a whole one just below the next cell.
+        assert!(worst_m <= 0.05 / 256.0 + 2e-6, "{worst_m}");
     }
 
     #[test]

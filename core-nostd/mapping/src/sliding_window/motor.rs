@@ -109,13 +109,14 @@ impl MotorTrack {
     /// [`ScanError::AngleMissing`] unless a sample lies within 20 ms before it and another within 20 ms after it.
     pub fn angle_at(&self, stamp: Stamp) -> Result<f32, ScanError> {
         let (mut before, mut after) = (None::<MotorSample>, None::<MotorSample>);
-        for sample in self.samples.iter().take(SAMPLES) {
+        // From the newest one: a scan has just been measured.
+        for sample in self.samples.iter().rev().take(SAMPLES) {
             match sample.stamp.age(stamp) {
-                Age::Past(_) => before = Some(*sample),
-                Age::Future(_) => {
-                    after = Some(*sample);
+                Age::Past(_) => {
+                    before = Some(*sample);
                     break;
                 }
+                Age::Future(_) => after = Some(*sample),
             }
         }
         let gap = |sample: Option<MotorSample>| {

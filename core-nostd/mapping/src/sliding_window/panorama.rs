@@ -65,6 +65,37 @@ impl Mirror {
         (falls && self.elevations_rad.first().is_some_and(|first| first.is_finite())).then_some(self)
     }
 
+    /// Elevations of a mirror that was calibrated: marks of known elevation and where they appeared on the strip. Between two marks
+    /// the elevation falls evenly; beyond the first and the last as between the two nearest. `None` for fewer than two marks, marks
+    /// that are not in order from the upper row downwards, and elevations that do not fall.
+    ///
+    /// ```
+    /// use floorguard_mapping::sliding_window::{Mirror, MirrorMark};
+    ///
+    /// let mark = |part, elevation_rad| MirrorMark { part, elevation_rad };
+    /// let mirror = Mirror::from_marks(&[mark(0.0, 0.6), mark(0.5, 0.1), mark(1.0, -0.7)]).unwrap();
+    /// assert!((mirror.elevations_rad[15] + 0.7).abs() < 1.0e-6);
+    /// assert_eq!(Mirror::from_marks(&[mark(0.2, 0.1), mark(0.4, 0.3)]), None);
+    /// ```
+    #[must_use]
+    pub fn from_marks(marks: &[MirrorMark]) -> Option<Self> {
+        let mut elevations_rad = [0.0; MIRROR_STEPS];
+        for (step, elevation_rad) in elevations_rad.iter_mut().enumerate() {
+            let part = nearest_f32(step) / nearest_f32(MIRROR_STEPS - 1);
+            let behind = |pair: &&[MirrorMark]| matches!(pair, [_, to] if part <= to.part);
+            let pair = marks.windows(2).find(behind).or_else(|| marks.windows(2).last());
+            let [from, to] = pair? else { return None };
+            if !(from.part < to.part) {
+                return None;
+            }
+            // Not divided by 0: ruled out above.
+            let share = (part - from.part) / (to.part - from.part);
+            *elevation_rad = from.elevation_rad + share * (to.elevation_rad - from.elevation_rad);
+        }
+        let is_in_order = marks.windows(2).all(|pair| matches!(pair, [a, b] if a.part < b.part));
+        if is_in_order { Self { elevations_rad }.checked() } else { None }
+    }
+
     /// Part of the strip from the upper row, 0…1; `None` above or below it.
     fn part_of(&self, elevation_rad: f32) -> Option<f32> {
         let steps = self.elevations_rad.windows(2).enumerate();
@@ -76,6 +107,15 @@ impl Mirror {
         });
         found.take(1).map(|steps| steps / nearest_f32(MIRROR_STEPS - 1)).next()
     }
+}
+
+/// A mark of known elevation on the strip.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MirrorMark {
+    /// Where it appeared: part of the strip from the upper row, 0…1.
+    pub part: f32,
+    /// Its elevation from the camera, radians.
+    pub elevation_rad: f32,
 }
 
 /// A pixel of the strip.
@@ -171,6 +211,7 @@ impl PictureSize {
 mod tests {
     use super::*;
     use std::vec;
+    use std::vec::Vec;
 
     fn geometry() -> PanoramaGeometry {
         PanoramaGeometry {
@@ -226,6 +267,27 @@ mod tests {
         let small = PictureSize { columns: 400, rows };
         geometry.fill_table(small, &mut table);
         assert!(table.contains(&NO_SOURCE));
+    }
+
+    /// A mirror whose elevation is bent by 0.07 rad in the middle: nine marks, against the straight line through its ends.
+    #[test]
+    fn marks_calibrate_a_bent_mirror() {
+        let bent = |part: f32| 0.6 - 1.35 * (0.8 * part + 0.2 * part * part);
+        let marks: Vec<MirrorMark> = (0..9_u8)
+            .map(|mark| f32::from(mark) / 8.0)
+            .map(|part| MirrorMark { part, elevation_rad: bent(part) })
+            .collect();
+        let worst = |mirror: Mirror| {
+            let steps = mirror.elevations_rad.iter().enumerate();
+            steps.map(|(step, found)| (found - bent(step as f32 / 15.0)).abs()).fold(0.0_f32, f32::max)
+        };
+        assert!(worst(Mirror::from_marks(&marks).unwrap()) < 0.002);
+        assert!(worst(Mirror::linear(0.6, -0.75).unwrap()) > 0.06);
+        assert_eq!((Mirror::from_marks(&marks[..1]), Mirror::from_marks(&[])), (None, None));
+        let swapped = [marks[0], marks[2], marks[1], marks[3]];
+        assert_eq!(Mirror::from_marks(&swapped), None);
+        let nowhere = MirrorMark { part: f32::NAN, elevation_rad: 0.0 };
+        assert_eq!(Mirror::from_marks(&[marks[0], nowhere]), None);
     }
 
     #[test]

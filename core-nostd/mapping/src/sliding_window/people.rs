@@ -230,10 +230,11 @@ impl<S: AsRef<[WindowCell]> + AsMut<[WindowCell]>> SlidingWindow<S> {
         for face in Face::ALL {
             for index in 0..self.geometry.face_cells().min(FACE_CELLS_MAX) {
                 let Some(cell) = self.cells(face).get(index) else { break };
-                let is_surface = cell.content == CellContent::Surface;
+                if cell.content != CellContent::Surface {
+                    continue;
+                }
                 let point = face.point(self.geometry.place(index, cell));
-                if is_surface
-                    && self.people.masks(Some(frame), point)
+                if self.people.masks(Some(frame), point)
                     && let Some(cell) = self.cells_mut(face).get_mut(index)
                 {
                     (cell.content, cell.tick) = (CellContent::Person, tick_of(now));

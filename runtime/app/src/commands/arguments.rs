@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::mapping_commands::{
-    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments,
+    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments, WindowArguments,
 };
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
@@ -101,6 +101,9 @@ pub enum Command {
     #[cfg(feature = "detector")]
     /// Find people in pictures by a detector that you bring, for `clean-map --boxes`.
     DetectPeople(crate::mapping_commands::DetectArguments),
+    /// See with a lidar that a motor turns: surfaces around the robot, floor and ceiling, people, from a recording or a simulated
+    /// room.
+    Window(WindowArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.

@@ -94,6 +94,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Calibrate(arguments)) => mapping_commands::calibrate(&arguments),
         #[cfg(feature = "detector")]
         Some(Command::DetectPeople(arguments)) => mapping_commands::detect_people(&arguments),
+        Some(Command::Window(arguments)) => mapping_commands::window(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),

@@ -16,6 +16,7 @@ mod map_edit;
 mod progress;
 mod report;
 mod summary;
+mod window;
 
 pub use arguments::{DriveArguments, LocaliseArguments, Map3dArguments, MapArguments, SlamArguments};
 pub use calibrate::{CalibrateArguments, CalibrateWhat, CameraLidarArguments, run as calibrate};
@@ -26,3 +27,4 @@ pub use eval_slam::run as eval_slam;
 pub use localise::run as localise;
 pub use map::run as map;
 pub use map3d::run as map3d;
+pub use window::{WindowArguments, run as window};

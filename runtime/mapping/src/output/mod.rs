@@ -9,6 +9,7 @@ mod map_server;
 mod picture;
 mod submaps;
 mod top_view;
+mod window_view;
 
 pub use cloud::{cloud_pcd, cloud_ply};
 pub(crate) use cloud_page::base64;
@@ -20,3 +21,4 @@ pub use map_server::{pgm, yaml};
 pub use picture::{Picture, draw};
 pub use submaps::{SubMap, SubMapConfig, index_text, sub_maps};
 pub use top_view::{TopView, draw_top_view};
+pub use window_view::{ColourOf, PlanLayer, draw_faces, draw_plan, picture_png, plan_map};
