@@ -87,8 +87,7 @@ impl<D: JudgeMotion> PerceptionState<D> {
     /// lidar is silent; an error if nobody knows where the robot was.
     fn search_legs(&mut self) -> Result<bool, PoseLookupError> {
         let sensor_in_odom = self.history.at(self.scan.stamp)?.compose(self.scanner_in_base);
-        let view = self.legs.process(&self.scan, sensor_in_odom, None::<fn(Point2) -> bool>);
-        Ok(self.people.add_view(view))
+        Ok(follow_legs(&mut self.people, &mut self.legs, (&self.scan, sensor_in_odom)))
     }
 
     /// What the legs of the newest scan changed.
@@ -96,6 +95,13 @@ impl<D: JudgeMotion> PerceptionState<D> {
         let sweep = SweepReport { stamp: self.scan.stamp, ..SweepReport::default() };
         of_tracks(self.people.tracks(), sweep, unposed, |track| self.motion.learned(track))
     }
+}
+
+/// Takes the legs of a scan into the list of people; the scanner stood at that place of the odometry frame. True if that
+/// changed the list at once, because the lidar is silent. One scan costs its beams, and tracks × legs.
+pub fn follow_legs(people: &mut PeoplePipeline, legs: &mut PeopleByLegs, (scan, sensor_in_odom): (&Scan, Pose2)) -> bool {
+    let view = legs.process(scan, sensor_in_odom, None::<fn(Point2) -> bool>);
+    people.add_view(view)
 }
 
 /// Perception ring. Runs for ever. Packets come before scans, so that two runs with the same bytes take the same way.

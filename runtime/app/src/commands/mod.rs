@@ -33,6 +33,8 @@ mod run_lesson;
 #[cfg(feature = "laboratory")]
 mod simulate;
 #[cfg(feature = "laboratory")]
+mod tape;
+#[cfg(feature = "laboratory")]
 mod train;
 mod values;
 
@@ -58,6 +60,8 @@ pub use report::ReportArguments;
 pub use run::RunArguments;
 #[cfg(feature = "laboratory")]
 pub use simulate::SimulateArguments;
+#[cfg(feature = "laboratory")]
+pub use tape::TapeArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
@@ -89,6 +93,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Check(arguments)) => check::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Tape(arguments)) => tape::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Goto(arguments)) => goto::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -7,12 +7,18 @@ mod capture;
 mod carmen;
 mod cloud;
 mod floor_below;
+mod many_rings;
 mod own;
 mod recorded;
 mod rows;
 mod scanner_line;
 mod scans;
+mod stages;
+mod standing_lidar;
 mod summary;
+
+pub(crate) use cloud::{Cell, CloudSorter, Point, points};
+pub(crate) use floor_below::floor_below_m;
 
 use std::fs::File;
 use std::io::BufReader;
