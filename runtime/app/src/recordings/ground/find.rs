@@ -8,7 +8,7 @@ use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
 use crate::recordings::arguments::Tilt;
-use crate::recordings::replay::{Cell, CloudSorter, Point, floor_below_m};
+use crate::recordings::replay::{Cell, CloudSorter, Point};
 
 /// Rings that the stage takes at once.
 const RINGS: usize = 16;
@@ -22,6 +22,15 @@ const SAME_M: f32 = 0.06;
 const FITTED_M: f32 = 15.0;
 /// Points farther off the plane than this are left out of the next fit, metres.
 const OFF_M: f32 = 0.15;
+/// Layers of level points below the sensor: their height, and how far down they begin and end, metres.
+const LAYER_M: f32 = 0.04;
+const LOWEST_M: f32 = 0.2;
+const LAYERS: usize = 80;
+/// Tilts that are tried: so many steps either way about both axes, degrees.
+const TILT_STEPS: i8 = 6;
+const TILT_STEP_DEG: f32 = 2.0;
+/// Of so many points.
+const SAMPLED: usize = 8_000;
 /// Fewer points make no floor.
 const POINTS_MIN: usize = 100;
 
@@ -42,9 +51,7 @@ pub fn ground(points: &[Point], tilt: Tilt) -> Option<Ground> {
     let named = points.iter().all(|point| point.ring.is_some());
     let owned: Vec<Point> = if named { points.to_vec() } else { cut_into_rings(points) };
     let passes = passes(&owned);
-    let mut mounting =
-        Transform3::from_mounting(Point3::new(0.0, 0.0, 0.0), tilt.roll_deg.to_radians(), tilt.pitch_deg.to_radians(), 0.0);
-    mounting.translation.z_m = passes.iter().find_map(|(sorter, sweep)| floor_below_m(sweep, &sorter.angles(), &mounting))?;
+    let mut mounting = levelled(&owned, tilt)?;
     let mut found = None;
     for _ in 0..ROUNDS {
         let is_floor = marked(&owned, &passes, &mounting);
@@ -53,6 +60,42 @@ pub fn ground(points: &[Point], tilt: Tilt) -> Option<Ground> {
         found = Some(Ground { is_floor, ..plane });
     }
     found
+}
+
+fn tilted(tilt: Tilt) -> Transform3 {
+    let Tilt { roll_deg, pitch_deg } = tilt;
+    Transform3::from_mounting(Point3::new(0.0, 0.0, 0.0), roll_deg.to_radians(), pitch_deg.to_radians(), 0.0)
+}
+
+/// The mounting around the given tilt in which most points lie in one level layer below the sensor, and few below that.
+fn levelled(points: &[Point], given: Tilt) -> Option<Transform3> {
+    let every = points.len().div_ceil(SAMPLED).max(1);
+    let near = |at: &Point3| libm::hypotf(at.x_m, at.y_m) < FITTED_M;
+    let sample: Vec<Point3> = points.iter().step_by(every).map(place).filter(near).collect();
+    let steps = || (-TILT_STEPS..=TILT_STEPS).map(|step| f32::from(step) * TILT_STEP_DEG);
+    let mut best = (0_i64, None);
+    for (roll_deg, pitch_deg) in steps().flat_map(|roll| steps().map(move |pitch| (roll, pitch))) {
+        let tilt = Tilt { roll_deg: given.roll_deg + roll_deg, pitch_deg: given.pitch_deg + pitch_deg };
+        let mut mounting = tilted(tilt);
+        let mut layers = [0_i64; LAYERS];
+        for at in &sample {
+            let layer = (-mounting.transform(*at).z_m - LOWEST_M) / LAYER_M;
+            if let Some(count) = (layer >= 0.0).then(|| layers.get_mut(layer as usize)).flatten() {
+                *count += 1;
+            }
+        }
+        // From the lowest layer up: under a floor lies nothing.
+        let mut below = 0;
+        for (index, pair) in layers.windows(2).enumerate().rev() {
+            let score = pair.iter().sum::<i64>() - 2 * below;
+            if score > best.0 {
+                mounting.translation.z_m = LOWEST_M + (index as f32 + 1.0) * LAYER_M;
+                best = (score, Some(mounting));
+            }
+            below += pair.last().copied().unwrap_or(0);
+        }
+    }
+    best.1
 }
 
 /// Rings by elevation, as many as there may be.

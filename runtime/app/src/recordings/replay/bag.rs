@@ -224,9 +224,9 @@ impl Player<'_> {
         let angles = (laser.first_angle_rad, laser.step_rad);
         let limits_m = [laser.range_min_m, laser.range_max_m];
         let scan = to_scan(laser.header.stamp, angles, &laser.ranges_m, limits_m);
-        let sensor = pose.unwrap_or_default().compose(flat(&mounting));
-        let frame = if pose.is_some() { "odom" } else { "sensor" };
-        let mut row = self.stages.scan(&message.topic, &scan, (sensor, frame));
+        let mounting = flat(&mounting);
+        let sensor = pose.unwrap_or_default().compose(mounting);
+        let mut row = self.stages.scan(&message.topic, &scan, (mounting, pose));
         self.scanners.insert(message.topic.to_string());
         if self.scanners.len() > 1 {
             row = row.of_topic(&message.topic);

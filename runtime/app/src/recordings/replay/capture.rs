@@ -209,7 +209,7 @@ impl Player {
     fn scanner(&mut self, scanner: &mut microscan3::Receiver, datagram: &Datagram) {
         scanner.push(&datagram.payload, Stamp::from_micros(datagram.captured_us), |event| {
             if let microscan3::Event::Scan(scan) = event {
-                let row = self.stages.scan("microScan3", scan, (Pose2::default(), "sensor"));
+                let row = self.stages.scan("microScan3", scan, (Pose2::default(), None));
                 self.scans.frame(&row);
                 self.recorded.scan(scan, Pose2::default(), row.everybody());
                 self.print(&row);

@@ -53,8 +53,8 @@ fn play(stages: &mut RobotStages, line: &LaserLine, recorded: &mut Recorded) -> 
     let micros = (line.time_s.max(0.0) * 1.0e6) as u64;
     let angles = (line.first_angle_rad, line.step_rad);
     let scan = to_scan(Stamp::from_micros(micros), angles, &line.ranges_m, [0.0, line.range_max_m]);
-    let (laser, frame) = line.laser_in_odom.map_or((Pose2::default(), "sensor"), |laser| (laser, "odom"));
-    let row = stages.scan("the laser", &scan, (laser, frame));
-    recorded.scan(&scan, laser, row.everybody());
+    // The log tells where the laser was; what carries it does not matter.
+    let row = stages.scan("the laser", &scan, (Pose2::default(), line.laser_in_odom));
+    recorded.scan(&scan, line.laser_in_odom.unwrap_or_default(), row.everybody());
     row
 }

@@ -11,6 +11,7 @@ mod many_rings;
 mod own;
 mod recorded;
 mod rows;
+mod scan_odometry;
 mod scanner_line;
 mod scans;
 mod stages;
@@ -18,7 +19,6 @@ mod standing_lidar;
 mod summary;
 
 pub(crate) use cloud::{Cell, CloudSorter, Point, points};
-pub(crate) use floor_below::floor_below_m;
 
 use std::fs::File;
 use std::io::BufReader;

@@ -8,7 +8,7 @@ use floorguard_perception::people::{
 };
 use floorguard_recording::describe::is_person;
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 use serde::{Serialize, Serializer};
@@ -51,6 +51,14 @@ impl Motion {
     const fn new(place: Point2, velocity: Point2) -> Self {
         let (x, y, vx, vy) = (place.x_m, place.y_m, velocity.x_m, velocity.y_m);
         Self { x, y, vx, vy, x_m: x, y_m: y, vx_mps: vx, vy_mps: vy }
+    }
+}
+
+impl Motion {
+    fn seen_from(self, transform: Pose2) -> Self {
+        let turn = Pose2 { heading_rad: transform.heading_rad, ..Pose2::default() };
+        let place = transform.transform(Point2::new(self.x_m, self.y_m));
+        Self::new(place, turn.transform(Point2::new(self.vx_mps, self.vy_mps)))
     }
 }
 
@@ -174,6 +182,29 @@ impl FrameRow {
         let is_blind = self.points == 0 || unknown * 2 > columns.saturating_sub(closed);
         self.health = if is_blind { "blind" } else { "healthy" };
         self.coverage_deg = Some((36_000 - closed_cdeg.min(36_000)) as f32 / 100.0);
+        self
+    }
+
+    /// The same as seen from elsewhere: every place through that transform, and velocities turned.
+    pub fn seen_from(mut self, transform: Pose2) -> Self {
+        for leg in self.legs.iter_mut().flatten() {
+            let place = transform.transform(Point2::new(leg.x_m, leg.y_m));
+            (leg.x_m, leg.y_m) = (place.x_m, place.y_m);
+        }
+        for person in &mut self.people {
+            person.motion = person.motion.seen_from(transform);
+        }
+        self
+    }
+
+    /// The frame may move itself, nobody knows how: who never walked in it may have walked.
+    pub fn in_moving_frame(mut self) -> Self {
+        for person in &mut self.people {
+            if person.explanation == Some(Explanation::LegsThatNeverWalked) {
+                person.explanation = None;
+                person.is_person = is_person(&person.report());
+            }
+        }
         self
     }
 

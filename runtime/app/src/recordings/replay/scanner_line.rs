@@ -42,7 +42,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 let mut scan = scan.clone();
                 scan.stamp =
                     Stamp::from_micros(number.saturating_sub(*first.get_or_insert(number)) * SCAN_US);
-                let row = stages.scan("S300", &scan, (Pose2::default(), "sensor"));
+                let row = stages.scan("S300", &scan, (Pose2::default(), None));
                 summary.frame(&row);
                 recorded.scan(&scan, Pose2::default(), row.everybody());
                 if arguments.json && printed.is_ok() {

@@ -16,6 +16,7 @@ use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::rows::{FrameRow, ScanCounts};
+use super::scan_odometry::{Place, ScanOdometry};
 use super::scans::hits;
 
 /// A sensor's time that falls back by more than this was set anew, microseconds: everything begins again.
@@ -29,6 +30,8 @@ pub struct RobotStages {
     perception: Box<HostedPerception>,
     /// Legs of each scanner.
     scanners: BTreeMap<String, Box<PeopleByLegs>>,
+    /// Where each scanner stands that comes without a pose.
+    odometry: BTreeMap<String, ScanOdometry>,
     /// Time of the newest sweep or scan of each source.
     newest: BTreeMap<String, Stamp>,
     searched: Box<Scan>,
@@ -47,6 +50,7 @@ impl RobotStages {
             perception: new_perception(&robot, Stages::All),
             robot,
             scanners: BTreeMap::new(),
+            odometry: BTreeMap::new(),
             newest: BTreeMap::new(),
             searched: Box::new(Scan::EMPTY),
             restarts: 0,
@@ -77,21 +81,49 @@ impl RobotStages {
         row
     }
 
-    /// A scan of the scanner of that name, which stood at that place of the frame.
-    pub fn scan(&mut self, name: &str, scan: &Scan, (sensor, frame): (Pose2, &'static str)) -> FrameRow {
+    /// A scan of the scanner of that name, and where it stood on the robot and in the odometry. Without odometry the scans
+    /// themselves tell how the scanner moves, and places come out in its own frame.
+    pub fn scan(&mut self, name: &str, scan: &Scan, (mounting, odometry): (Pose2, Option<Pose2>)) -> FrameRow {
         let points = hits(scan);
+        let frame = if odometry.is_some() { "odom" } else { "sensor" };
         if !self.is_newer(name, scan.stamp) {
             return FrameRow::frozen((scan.stamp, "scanner"), (frame, points));
         }
+        // With a lidar whose motion nobody knows there is one frame for both: that of the robot.
+        let is_alone = odometry.is_none() && !self.newest.contains_key(LIDAR);
+        let (place, stands) = match odometry {
+            Some(base) => (base.compose(mounting), true),
+            None if is_alone => self.matched(name, scan),
+            None => (mounting, true),
+        };
         // As on the robot: beams no denser than those the legs were learned from.
         self.searched.copy_thinned(scan, SEARCHED_STEP_RAD);
         let legs = self.scanners.entry(name.to_owned()).or_default();
         let people = &mut self.perception.people;
         let (late, dropped) = (people.tracker().late, legs.dropped_legs);
-        follow_legs(people, legs, (&self.searched, sensor));
+        follow_legs(people, legs, (&self.searched, place));
         self.late += u64::from(people.tracker().late - late);
         let counts = ScanCounts { points, segments: legs.segments, dropped_legs: legs.dropped_legs - dropped };
-        FrameRow::of_scan((scan.stamp, frame), counts, legs.legs(), people.tracks())
+        let row = FrameRow::of_scan((scan.stamp, frame), counts, legs.legs(), people.tracks());
+        match (is_alone, stands) {
+            (false, _) => row,
+            (true, true) => row.seen_from(mounting.compose(place.inverse())),
+            (true, false) => row.in_moving_frame(),
+        }
+    }
+
+    /// Where a scanner without odometry stands, by its scans, and whether its frame stands. In a new frame everybody is
+    /// followed anew.
+    fn matched(&mut self, name: &str, scan: &Scan) -> (Pose2, bool) {
+        let odometry = self.odometry.entry(name.to_owned()).or_insert_with(ScanOdometry::new);
+        match odometry.place(scan) {
+            Place::Known(pose) => (pose, true),
+            Place::Begins => {
+                self.clear();
+                (Pose2::default(), true)
+            }
+            Place::Unknown => (Pose2::default(), false),
+        }
     }
 
     /// Notes the time of a source; false if it is not later than the one before. A clock that was set back begins anew.
@@ -108,12 +140,18 @@ impl RobotStages {
     }
 
     fn begin_again(&mut self) {
+        self.clear();
+        self.odometry.clear();
+        self.newest.clear();
+        self.restarts += 1;
+    }
+
+    /// Forgets everybody.
+    fn clear(&mut self) {
         let angles = *self.rings();
         self.perception = new_perception(&self.robot, Stages::All);
         self.set_rings(angles);
         self.scanners.clear();
-        self.newest.clear();
-        self.restarts += 1;
     }
 
     /// Says what the times of the recording did to the stages.
@@ -151,7 +189,7 @@ mod tests {
     fn times_of_each_source_are_judged() {
         let mut stages = RobotStages::new().expect("the example robot");
         let mut newer = |name: &str, at_us: u64| {
-            let row = stages.scan(name, &scan(at_us), (Pose2::default(), "sensor"));
+            let row = stages.scan(name, &scan(at_us), (Pose2::default(), None));
             row.is_newer()
         };
         let hour_us = 3_600_000_000;
