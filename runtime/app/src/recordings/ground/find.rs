@@ -87,7 +87,7 @@ fn levelled(points: &[Point], given: Tilt) -> Option<Transform3> {
         // From the lowest layer up: under a floor lies nothing.
         let mut below = 0;
         for (index, pair) in layers.windows(2).enumerate().rev() {
-            let score = pair.iter().sum::<i64>() - 2 * below;
+            let score = pair.iter().sum::<i64>() - below / 2;
             if score > best.0 {
                 mounting.translation.z_m = LOWEST_M + (index as f32 + 1.0) * LAYER_M;
                 best = (score, Some(mounting));

@@ -8,4 +8,5 @@ mod pcd;
 mod ply;
 mod truth;
 
+pub use cloud_file::read as read_cloud;
 pub use command::{GroundArguments, run};

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use floorguard_configuration::{EXAMPLE, parse};
 use floorguard_perception::legs::PeopleByLegs;
-use floorguard_perception::people::{RingAngles, SweepContext};
+use floorguard_perception::people::{RingAngles, SweepContext, hangs, turn_over, turned_over_mounting};
 use floorguard_robot::assembly::{HostedPerception, Stages, new_perception};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{JudgeMotion as _, SEARCHED_STEP_RAD, follow_legs};
@@ -28,6 +28,8 @@ const LIDAR: &str = "the lidar";
 pub struct RobotStages {
     robot: RobotConfiguration,
     perception: Box<HostedPerception>,
+    /// Of the lidar as it is built.
+    rings: RingAngles,
     /// Legs of each scanner.
     scanners: BTreeMap<String, Box<PeopleByLegs>>,
     /// Where each scanner stands that comes without a pose.
@@ -48,6 +50,7 @@ impl RobotStages {
         let robot = parse("robot.toml", EXAMPLE)?.robot;
         Ok(Self {
             perception: new_perception(&robot, Stages::All),
+            rings: RingAngles::vlp16(),
             robot,
             scanners: BTreeMap::new(),
             odometry: BTreeMap::new(),
@@ -60,12 +63,12 @@ impl RobotStages {
 
     /// The lidar has these rings.
     pub fn set_rings(&mut self, angles: RingAngles) {
-        self.perception.people.angles = angles;
+        self.rings = angles;
     }
 
     /// The lidar's rings.
-    pub fn rings(&self) -> &RingAngles {
-        &self.perception.people.angles
+    pub const fn rings(&self) -> &RingAngles {
+        &self.rings
     }
 
     /// A sweep of the lidar; `frame` is that of the robot's place in the context.
@@ -73,10 +76,20 @@ impl RobotStages {
         if !self.is_newer(LIDAR, sweep.end_stamp) {
             return FrameRow::frozen((sweep.end_stamp, "lidar"), (frame, returns(sweep)));
         }
-        let HostedPerception { people, motion, .. } = &mut *self.perception;
+        let HostedPerception { people, motion, building, .. } = &mut *self.perception;
         let before = people.tracker().late;
-        let output = motion.people(people, sweep, context);
-        let row = FrameRow::of_sweep(sweep, &output, frame);
+        // As on the robot: a lidar that hangs upside down is turned over first.
+        let is_hanging = hangs(&context.sensor_in_base);
+        people.angles = if is_hanging { self.rings.turned_over() } else { self.rings };
+        let row = if is_hanging {
+            building.clone_from(sweep);
+            turn_over(building);
+            let sensor_in_base = turned_over_mounting(&context.sensor_in_base);
+            let output = motion.people(people, building, &SweepContext { sensor_in_base, ..*context });
+            FrameRow::of_sweep(building, &output, frame)
+        } else {
+            FrameRow::of_sweep(sweep, &motion.people(people, sweep, context), frame)
+        };
         self.late += u64::from(self.perception.people.tracker().late - before);
         row
     }
@@ -148,9 +161,7 @@ impl RobotStages {
 
     /// Forgets everybody.
     fn clear(&mut self) {
-        let angles = *self.rings();
         self.perception = new_perception(&self.robot, Stages::All);
-        self.set_rings(angles);
         self.scanners.clear();
     }
 
