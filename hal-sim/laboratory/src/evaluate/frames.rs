@@ -16,8 +16,6 @@ use floorguard_recording::capture::settle_model;
 use floorguard_recording::capture::{Capture, Datagram};
 use floorguard_robot::picture_files::read_text;
 
-/// Revolutions are cut behind the sensor, hundredths of a degree.
-const CUT_CDEG: u16 = 18_000;
 /// UDP port of lidar data.
 const PORT: u16 = 2_368;
 /// Height assumed where no floor is seen, metres (the FLOBOT layout).
@@ -66,34 +64,6 @@ pub fn capture_frames(capture: &Path) -> anyhow::Result<Vec<Box<Sweep>>> {
         return Err(bad(&format!("{} packets are no whole revolution", datagrams.len())).into());
     }
     Ok(sweeps)
-}
-
-/// The whole revolutions of a VLP-16 capture, cut behind the sensor as on the robot; by the list of frames beside it where
-/// there is one.
-///
-/// # Errors
-/// As [`capture_frames`].
-pub fn capture_revolutions(capture: &Path) -> anyhow::Result<Vec<Box<Sweep>>> {
-    let cut_by_packets = capture_frames(capture)?;
-    if frames_beside(capture).is_some() {
-        return Ok(cut_by_packets);
-    }
-    let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
-    let (mut builder, mut building) = (SweepBuilder::new(CUT_CDEG), Box::new(Sweep::<16>::EMPTY));
-    let mut sweeps: Vec<Box<Sweep>> = Vec::new();
-    for datagram in Capture::open(capture)? {
-        let datagram = datagram?;
-        if datagram.destination_port != PORT {
-            continue;
-        }
-        let arrival = Stamp::from_micros(datagram.captured_us);
-        if let Ok((packet, lost)) = decoder.decode(&datagram.payload, arrival) {
-            builder.add(&packet, lost, &mut building, |sweep| sweeps.push(Box::new(sweep.clone())));
-        }
-    }
-    // The first one began where the recording did; of less than a revolution nothing is left.
-    let whole = sweeps.split_off(sweeps.len().min(1));
-    Ok(if whole.is_empty() { cut_by_packets } else { whole })
 }
 
 /// Where the sensor of such a capture stands: still, upright, at the height that the first floor tells.

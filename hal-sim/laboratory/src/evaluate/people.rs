@@ -10,7 +10,7 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::Sweep;
 use serde::Serialize;
 
-use super::frames::{capture_revolutions, standing_context};
+use super::frames::{capture_frames, standing_context};
 use super::motion_key::{KeyRow, read_key};
 use crate::metrics::MotAccumulator;
 
@@ -78,7 +78,7 @@ const CONFIRMED_FRAMES: u64 = 5;
 /// A file cannot be read or has another form.
 pub fn false_people(capture: &Path, key: Option<&Path>) -> anyhow::Result<FalsePeopleReport> {
     let key = key.map(read_key).transpose()?.unwrap_or_default();
-    let sweeps = capture_revolutions(capture)?;
+    let sweeps = capture_frames(capture)?;
     Ok(judge(&sweeps, &key))
 }
 
