@@ -112,7 +112,11 @@ impl<D: JudgeMotion> PerceptionState<D> {
 
 /// Takes the legs of a scan into the list of people; the scanner stood at that place of the odometry frame. True if that
 /// changed the list at once, because the lidar is silent. One scan costs its beams, and tracks × legs.
-pub fn follow_legs(people: &mut PeoplePipeline, legs: &mut PeopleByLegs, (scan, sensor_in_odom): (&Scan, Pose2)) -> bool {
+pub fn follow_legs(
+    people: &mut PeoplePipeline,
+    legs: &mut PeopleByLegs,
+    (scan, sensor_in_odom): (&Scan, Pose2),
+) -> bool {
     let view = legs.process(scan, sensor_in_odom, None::<fn(Point2) -> bool>);
     people.add_view(view)
 }

@@ -128,7 +128,8 @@ pub fn run(options: &Options) -> Result<bool> {
     };
     let image = build(&folder, TAPE_IMAGE)?;
     let mut outcome = play(&image, &tape)?;
-    let standard = options.replay.is_none() && (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
+    let standard = options.replay.is_none()
+        && (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
     let mut equal = outcome.digest == hosted;
     if standard {
         let crowd = record((CROWD, 2, 8), &tape)?;

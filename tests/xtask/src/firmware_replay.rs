@@ -15,7 +15,11 @@ const SECONDS_MAX: u32 = 12;
 pub fn record(capture: &Path, seconds: Option<u32>, tape: &Path) -> Result<String> {
     let capture = capture.canonicalize().with_context(|| format!("{}", capture.display()))?;
     let mut program = shell::cargo();
-    program.args(["run", "--quiet", "--package", "floorguard", "--", "tape"]).arg(&capture).arg("--out").arg(tape);
+    program
+        .args(["run", "--quiet", "--package", "floorguard", "--", "tape"])
+        .arg(&capture)
+        .arg("--out")
+        .arg(tape);
     program.args(["--duration", &seconds.unwrap_or(SECONDS_MAX).to_string()]);
     // What is wrong with the capture, the program says on standard error.
     let output = program.stderr(std::process::Stdio::inherit()).output()?;

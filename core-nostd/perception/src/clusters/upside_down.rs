@@ -1,4 +1,4 @@
-//! A lidar on its head, turned over before anything looks at its sweeps: rings from the lowest to the highest, azimuths
+//! A lidar on its head, turned over before its sweeps are used: rings from the lowest to the highest, azimuths
 //! clockwise seen from above.
 //!
 //! Turned over about its forward axis, a point (x, y, z) of the sensor's frame becomes (x, −y, −z): azimuth a becomes −a,
@@ -55,11 +55,11 @@ pub fn turn_over<P: Profile>(sweep: &mut SweepOf<P>) {
     let used = sweep.column_count;
     for column in sweep.columns.iter_mut().take(used) {
         column.azimuth_cdeg = TURN_CDEG.saturating_sub(column.azimuth_cdeg) % TURN_CDEG;
-        let (ranges, looks) = (column.range_raw, column.reflectivity);
+        let (ranges, reflectivities) = (column.range_raw, column.reflectivity);
         for (to, from) in column.range_raw.iter_mut().zip(ranges.iter().rev()) {
             *to = *from;
         }
-        for (to, from) in column.reflectivity.as_mut().iter_mut().zip(looks.as_ref().iter().rev()) {
+        for (to, from) in column.reflectivity.as_mut().iter_mut().zip(reflectivities.as_ref().iter().rev()) {
             *to = *from;
         }
     }

@@ -19,7 +19,7 @@ pub const VIEW_PEOPLE_MAX: usize = 16;
 pub const VIEWS_WAITING: usize = 8;
 /// Who waits longer than this for the lidar waits in vain, µs.
 const WAIT_MAX_US: u64 = 200_000;
-/// A lidar without a sweep for this long is silent, or there is none: nobody waits for it, µs. At 300 revolutions a
+/// A lidar without a sweep for this long is silent, or there is none: views no longer wait for it, µs. At 300 revolutions a
 /// minute a sweep takes 200,000.
 const SILENT_US: u64 = 500_000;
 
@@ -167,7 +167,7 @@ mod tests {
             waiting.add(&legs(scan * 40_000, 2.0), &mut tracker);
             let given = waiting.give_overdue(&mut tracker);
             assert_eq!(given, scan >= 6, "scan {scan}");
-            // Half a second after the only sweep nobody waits any longer.
+            // Half a second after the only sweep no view waits any longer.
             assert_eq!(waiting.views.is_empty(), scan >= 13, "scan {scan}");
         }
         assert_eq!(tracker.tracks().len(), 1);

@@ -38,7 +38,11 @@ const FLOAT32: u8 = 7;
 impl Table {
     /// Columns of that name, all float64, without rows.
     pub fn of_doubles(names: &[String]) -> Self {
-        let field = |(index, name): (usize, &String)| Field { name: name.clone(), offset: 8 * index, datatype: FLOAT64 };
+        let field = |(index, name): (usize, &String)| Field {
+            name: name.clone(),
+            offset: 8 * index,
+            datatype: FLOAT64,
+        };
         let fields = names.iter().enumerate().map(field).collect();
         Self { fields, step: 8 * names.len(), ..Self::default() }
     }
@@ -70,7 +74,9 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<Point>> {
     } else if is_kitti(path, &bytes) {
         kitti(bytes)
     } else {
-        anyhow::bail!("{name}: no cloud that we know; known are PLY, PCD, and KITTI's .bin of x, y, z and reflectivity");
+        anyhow::bail!(
+            "{name}: no cloud that we know; known are PLY, PCD, and KITTI's .bin of x, y, z and reflectivity"
+        );
     };
     let Table { fields, step, count, big_endian, data } = table;
     let need = step.checked_mul(count).filter(|need| *need <= data.len());
@@ -79,8 +85,16 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<Point>> {
     }
     let header = Header { stamp: Stamp::ZERO, frame: String::new() };
     let row_step = step * count;
-    let cloud =
-        Cloud { header, height: 1, width: count, fields, point_step: step, row_step, big_endian, data: &data };
+    let cloud = Cloud {
+        header,
+        height: 1,
+        width: count,
+        fields,
+        point_step: step,
+        row_step,
+        big_endian,
+        data: &data,
+    };
     points(&cloud).map_err(|error| anyhow::anyhow!("{name}: {error}"))
 }
 
@@ -91,7 +105,8 @@ fn is_kitti(path: &Path, bytes: &[u8]) -> bool {
 }
 
 fn kitti(data: Vec<u8>) -> Table {
-    let field = |(index, name): (usize, &str)| Field { name: name.to_owned(), offset: 4 * index, datatype: FLOAT32 };
+    let field =
+        |(index, name): (usize, &str)| Field { name: name.to_owned(), offset: 4 * index, datatype: FLOAT32 };
     let fields = ["x", "y", "z", "intensity"].into_iter().enumerate().map(field).collect();
     Table { fields, step: KITTI_POINT, count: data.len() / KITTI_POINT, big_endian: false, data }
 }

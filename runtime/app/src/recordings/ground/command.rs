@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::cloud_file;
 use super::find::{Ground, ground};
 use super::truth::{Agreement, compare};
-use super::cloud_file;
 use crate::recordings::arguments::{Tilt, tilt};
 use crate::recordings::replay::Point;
 use floorguard_host::outcome::BadInput;
@@ -78,7 +78,9 @@ pub fn run(arguments: &GroundArguments, json: bool) -> anyhow::Result<()> {
         return Ok(());
     }
     let Report { points, floor_points, height_m, tilt_deg, residual_m, .. } = &report;
-    tell!("{floor_points} of {points} points are floor, {height_m:.3} m below the sensor, which is tilted by {tilt_deg:.1}°")?;
+    tell!(
+        "{floor_points} of {points} points are floor, {height_m:.3} m below the sensor, which is tilted by {tilt_deg:.1}°"
+    )?;
     tell!("  on average {:.1} cm from its plane within 15 m", residual_m * 100.0)?;
     if let Some(Agreement { points, precision, recall }) = report.agreement {
         tell!("  of {points} points of the truth: precision {precision:.3}, recall {recall:.3}")?;

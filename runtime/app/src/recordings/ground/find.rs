@@ -106,7 +106,8 @@ fn cut_into_rings(points: &[Point]) -> Vec<Point> {
     };
     let mut sorted: Vec<f32> = points.iter().map(elevation).collect();
     sorted.sort_unstable_by(f32::total_cmp);
-    let at = |share: usize| sorted.get(sorted.len().saturating_sub(1) * share / 1_000).copied().unwrap_or(0.0);
+    let at =
+        |share: usize| sorted.get(sorted.len().saturating_sub(1) * share / 1_000).copied().unwrap_or(0.0);
     let (low, high) = (at(2), at(998));
     let step = ((high - low) / f32::from(CUT_RINGS)).max(1.0e-4);
     let ring = |point: &Point| ((elevation(point) - low) / step).clamp(0.0, f32::from(CUT_RINGS - 1)) as u16;
@@ -137,7 +138,8 @@ fn marked(points: &[Point], passes: &[(CloudSorter, Box<Sweep>)], mounting: &Tra
         mask.find(sweep, &sorter.angles(), mounting);
         for (point, marked) in points.iter().zip(&mut is_floor) {
             let Some(Cell { column, ring, raw }) = sorter.cell(point) else { continue };
-            let Some(nearest) = sweep.columns.get(column).and_then(|column| column.range_raw.get(ring)) else {
+            let Some(nearest) = sweep.columns.get(column).and_then(|column| column.range_raw.get(ring))
+            else {
                 continue;
             };
             // A cell keeps its nearest point; others of it are floor where they lie as low.
@@ -184,7 +186,11 @@ fn fitted(points: &[Point], is_floor: &[bool], mounting: &Transform3) -> Option<
     let normal = normal / length;
     let height_m = -plane.z / length;
     let off = |at: &Point3| {
-        (normal.x * f64::from(at.x_m) + normal.y * f64::from(at.y_m) + normal.z * f64::from(at.z_m) + height_m).abs()
+        (normal.x * f64::from(at.x_m)
+            + normal.y * f64::from(at.y_m)
+            + normal.z * f64::from(at.z_m)
+            + height_m)
+            .abs()
     };
     let residual_m = used.iter().map(off).sum::<f64>() / used.len() as f64;
     Some(Ground {

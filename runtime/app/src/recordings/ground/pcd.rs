@@ -49,7 +49,9 @@ fn head(bytes: &[u8]) -> anyhow::Result<Head> {
             "SIZE" => head.sizes = numbers(words)?,
             "TYPE" => head.types = words.map(str::to_owned).collect(),
             "COUNT" => head.counts = numbers(words)?,
-            "POINTS" => head.points = numbers(words)?.first().copied().context("PCD: POINTS without a number")?,
+            "POINTS" => {
+                head.points = numbers(words)?.first().copied().context("PCD: POINTS without a number")?
+            }
             "DATA" => {
                 words.next().unwrap_or_default().clone_into(&mut head.data);
                 return Ok(head);
@@ -101,6 +103,9 @@ fn text(head: &Head, data: &[u8]) -> anyhow::Result<Table> {
     let text = String::from_utf8_lossy(data);
     for (number, line) in text.lines().filter(|line| !line.trim().is_empty()).take(head.points).enumerate() {
         table.add_row(line).with_context(|| format!("PCD: point {} is cut or no number", number + 1))?;
+    }
+    if table.count < head.points {
+        bail!("PCD: it announces {} points and holds {}", head.points, table.count);
     }
     Ok(table)
 }

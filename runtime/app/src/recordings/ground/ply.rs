@@ -75,5 +75,8 @@ fn text(fields: &[Field], count: usize, data: &[u8]) -> anyhow::Result<Table> {
     for (number, line) in text.lines().filter(|line| !line.trim().is_empty()).take(count).enumerate() {
         table.add_row(line).with_context(|| format!("PLY: vertex {} is cut or no number", number + 1))?;
     }
+    if table.count < count {
+        bail!("PLY: it announces {count} vertices and holds {}", table.count);
+    }
     Ok(table)
 }

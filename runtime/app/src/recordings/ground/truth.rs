@@ -41,7 +41,11 @@ pub fn compare(path: &Path, found: &[bool]) -> anyhow::Result<Agreement> {
         anyhow::bail!("{}: {} bytes fit no {} points", path.display(), bytes.len(), found.len());
     };
     let count = |wanted: (bool, bool)| {
-        truth.iter().zip(found).filter(|(truth, found)| **truth == Some(wanted.0) && **found == wanted.1).count()
+        truth
+            .iter()
+            .zip(found)
+            .filter(|(truth, found)| **truth == Some(wanted.0) && **found == wanted.1)
+            .count()
     };
     let (both, missed, wrong) = (count((true, true)), count((true, false)), count((false, true)));
     let share = |part: usize, whole: usize| part as f64 / whole.max(1) as f64;

@@ -59,7 +59,8 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
             page.commands.push("floorguard decode --csv: every return".to_owned());
             page.commands.push("floorguard map3d: a map of the place in space".to_owned());
             if matches!(model, Model::Vlp16) {
-                page.commands.push("cargo xtask firmware --replay: the same on the emulated board".to_owned());
+                page.commands
+                    .push("cargo xtask firmware --replay: the same on the emulated board".to_owned());
             }
         }
         Err(_) if has_scanner => {}

@@ -13,7 +13,8 @@ use crate::recordings::ground::read_cloud;
 pub fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
     let name = file.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_kitti = name.trim_end_matches(".gz").ends_with(".bin");
-    let is_pcd = begins.windows(11).take(512).any(|word| word == b"FIELDS x y z".get(..11).unwrap_or_default());
+    let is_pcd =
+        begins.windows(11).take(512).any(|word| word == b"FIELDS x y z".get(..11).unwrap_or_default());
     if !begins.starts_with(b"ply") && !is_pcd && !is_kitti {
         return Ok(None);
     }

@@ -117,7 +117,10 @@ impl Lidar {
                 Cutter::Sixteen(SweepBuilder::new(CUT_CDEG), Box::new(Sweep::<16>::EMPTY))
             }
             Model::Vlp32C | Model::Hdl32E => {
-                say!("a {} has 32 rings; the robot's stages take 16 of them, spread over its view", model.name());
+                say!(
+                    "a {} has 32 rings; the robot's stages take 16 of them, spread over its view",
+                    model.name()
+                );
                 Cutter::Many(ManyRings::new(model))
             }
         };

@@ -136,8 +136,8 @@ impl FrameRow {
         digest: None,
     };
 
-    /// A sweep or scan that is not later than the one before it: nothing that depends on time is known, and nobody is
-    /// followed by it.
+    /// A sweep or scan that is not later than the one before it: nothing that depends on time is known, and it is
+    /// not used for tracking.
     pub fn frozen((stamp, sensor): (Stamp, &'static str), (frame, points): (&'static str, u32)) -> Self {
         Self { stamp_us: stamp.as_micros(), sensor, frame, points, ..Self::NOTHING }
     }
@@ -153,12 +153,14 @@ impl FrameRow {
     }
 
     /// A scan, and the tracks after it.
-    pub fn of_scan((stamp, frame): (Stamp, &'static str), counts: ScanCounts, legs: &[Leg], tracks: &[Track]) -> Self {
-        let leg = |leg: &Leg| LegRow {
-            x_m: leg.position.x_m,
-            y_m: leg.position.y_m,
-            probability: leg.probability,
-        };
+    pub fn of_scan(
+        (stamp, frame): (Stamp, &'static str),
+        counts: ScanCounts,
+        legs: &[Leg],
+        tracks: &[Track],
+    ) -> Self {
+        let leg =
+            |leg: &Leg| LegRow { x_m: leg.position.x_m, y_m: leg.position.y_m, probability: leg.probability };
         Self {
             stamp_us: stamp.as_micros(),
             frame,
@@ -197,7 +199,7 @@ impl FrameRow {
         self
     }
 
-    /// The frame may move itself, nobody knows how: who never walked in it may have walked.
+    /// The frame moves itself, it is not known how: a person who never walked in it may have walked.
     pub fn in_moving_frame(mut self) -> Self {
         for person in &mut self.people {
             if person.explanation == Some(Explanation::LegsThatNeverWalked) {

@@ -1,6 +1,6 @@
 //! Where a scanner stands in a recording without odometry: each scan is matched against those of the last metres.
 //!
-//! Who walks can only be said in a frame that stands. What comes out is given in the frame of the sensor again.
+//! Walking can only be seen in a frame that stands. The results are given in the frame of the sensor again.
 
 use floorguard_mapping_host::front_end::{FrontEndConfig, Step, Tracker};
 use floorguard_mapping_host::input::ScanRecord;

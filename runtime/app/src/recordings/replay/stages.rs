@@ -1,7 +1,7 @@
 //! The robot's own stages for whatever is replayed: one memory of perception, one list of people for all sensors.
 //!
 //! What a recording does not hold is missing as it would be on the robot: without a lidar legs are followed alone,
-//! without a scanner nobody has legs, without odometry places are in the frame of the sensor.
+//! without a scanner there are no legs, without odometry places are in the frame of the sensor.
 
 use std::collections::BTreeMap;
 
@@ -96,13 +96,18 @@ impl RobotStages {
 
     /// A scan of the scanner of that name, and where it stood on the robot and in the odometry. Without odometry the scans
     /// themselves tell how the scanner moves, and places come out in its own frame.
-    pub fn scan(&mut self, name: &str, scan: &Scan, (mounting, odometry): (Pose2, Option<Pose2>)) -> FrameRow {
+    pub fn scan(
+        &mut self,
+        name: &str,
+        scan: &Scan,
+        (mounting, odometry): (Pose2, Option<Pose2>),
+    ) -> FrameRow {
         let points = hits(scan);
         let frame = if odometry.is_some() { "odom" } else { "sensor" };
         if !self.is_newer(name, scan.stamp) {
             return FrameRow::frozen((scan.stamp, "scanner"), (frame, points));
         }
-        // With a lidar whose motion nobody knows there is one frame for both: that of the robot.
+        // With a lidar of unknown motion there is one frame for both: that of the robot.
         let is_alone = odometry.is_none() && !self.newest.contains_key(LIDAR);
         let (place, stands) = match odometry {
             Some(base) => (base.compose(mounting), true),
@@ -116,7 +121,8 @@ impl RobotStages {
         let (late, dropped) = (people.tracker().late, legs.dropped_legs);
         follow_legs(people, legs, (&self.searched, place));
         self.late += u64::from(people.tracker().late - late);
-        let counts = ScanCounts { points, segments: legs.segments, dropped_legs: legs.dropped_legs - dropped };
+        let counts =
+            ScanCounts { points, segments: legs.segments, dropped_legs: legs.dropped_legs - dropped };
         let row = FrameRow::of_scan((scan.stamp, frame), counts, legs.legs(), people.tracks());
         match (is_alone, stands) {
             (false, _) => row,
@@ -172,7 +178,7 @@ impl RobotStages {
         }
         if self.late > 0 {
             say!(
-                "{} sweeps or scans follow nobody: they are more than 0.2 s older than those of another sensor",
+                "{} sweeps or scans were not used for tracking: they are more than 0.2 s older than those of another sensor",
                 self.late
             );
         }

@@ -18,19 +18,19 @@ const USEFUL_CDEG: u32 = 6_000;
 pub struct StandingLidar {
     tilt: Tilt,
     height_m: Option<f32>,
-    looks: u32,
+    sweeps_seen: u32,
 }
 
 impl StandingLidar {
     /// Tilted like that, at an unknown height.
     pub const fn new(tilt: Tilt) -> Self {
-        Self { tilt, height_m: None, looks: 0 }
+        Self { tilt, height_m: None, sweeps_seen: 0 }
     }
 
     /// Looks for the floor until a whole sweep has shown it.
     pub fn look(&mut self, sweep: &Sweep, angles: &RingAngles) {
-        self.looks = self.looks.saturating_add(1);
-        let least_cdeg = if self.looks == 1 { WHOLE_CDEG } else { USEFUL_CDEG };
+        self.sweeps_seen = self.sweeps_seen.saturating_add(1);
+        let least_cdeg = if self.sweeps_seen == 1 { WHOLE_CDEG } else { USEFUL_CDEG };
         if self.height_m.is_some() || covered_cdeg(sweep) < least_cdeg {
             return;
         }

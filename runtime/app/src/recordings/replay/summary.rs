@@ -22,7 +22,14 @@ pub struct Summary {
 impl Summary {
     /// Nothing yet.
     pub fn new() -> Self {
-        Self { frames: 0, legs: 0, standing: 0, identities: BTreeSet::new(), most: 0, started: Instant::now() }
+        Self {
+            frames: 0,
+            legs: 0,
+            standing: 0,
+            identities: BTreeSet::new(),
+            most: 0,
+            started: Instant::now(),
+        }
     }
 
     /// A sweep or scan, and the people in it.
@@ -38,9 +45,13 @@ impl Summary {
     pub fn say_standing(&self, what: &str) {
         let Self { standing, frames, .. } = *self;
         if standing > 0 && standing + 1 == frames {
-            say!("all {frames} {what}s bear one time: speeds, who stands and who walks cannot be known from this recording");
+            say!(
+                "all {frames} {what}s bear one time: speeds, who stands and who walks cannot be known from this recording"
+            );
         } else if standing > 0 {
-            say!("{standing} of {frames} {what}s are not later than the one before them and follow nobody");
+            say!(
+                "{standing} of {frames} {what}s are not later than the one before them, and were not used for tracking"
+            );
         }
     }
 
