@@ -31,10 +31,10 @@ pub use inputs::{
 };
 pub use lidar::lidar_input;
 pub use mission::{Mission, MissionMoment, drive_mission};
-pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
+pub use perception::{JudgeMotion, NoMotion, PerceptionState, follow_legs, perceive};
 pub use rear_scanner::rear_scanner_input;
 pub use route::drive_route;
-pub use scanner::{scanner_datagrams, scanner_input};
+pub use scanner::{SEARCHED_STEP_RAD, scanner_datagrams, scanner_input};
 pub use supervise::supervise;
 pub use velocity::{VelocityRules, velocity_input};
 pub use velocity_base::velocity_base;

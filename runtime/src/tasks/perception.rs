@@ -7,7 +7,9 @@ use floorguard_guard::with_floor;
 use floorguard_localisation::odometry::{PoseHistory, PoseLookupError};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, find_moving_people};
-use floorguard_perception::people::{PeopleOutput, PeoplePipeline, SweepContext, Track};
+use floorguard_perception::people::{
+    PeopleOutput, PeoplePipeline, SweepContext, Track, hangs, turn_over, turned_over_mounting,
+};
 use floorguard_types::geometry::{Point2, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
@@ -87,8 +89,18 @@ impl<D: JudgeMotion> PerceptionState<D> {
     /// lidar is silent; an error if nobody knows where the robot was.
     fn search_legs(&mut self) -> Result<bool, PoseLookupError> {
         let sensor_in_odom = self.history.at(self.scan.stamp)?.compose(self.scanner_in_base);
-        let view = self.legs.process(&self.scan, sensor_in_odom, None::<fn(Point2) -> bool>);
-        Ok(self.people.add_view(view))
+        Ok(follow_legs(&mut self.people, &mut self.legs, (&self.scan, sensor_in_odom)))
+    }
+
+    /// Whether the lidar hangs upside down: its sweeps are then to be turned over, and mounting and rings are those of a
+    /// lidar that was. Call once.
+    fn turn_over_lidar(&mut self) -> bool {
+        let hangs = hangs(&self.sensor_in_base);
+        if hangs {
+            self.sensor_in_base = turned_over_mounting(&self.sensor_in_base);
+            self.people.angles = self.people.angles.turned_over();
+        }
+        hangs
     }
 
     /// What the legs of the newest scan changed.
@@ -98,9 +110,21 @@ impl<D: JudgeMotion> PerceptionState<D> {
     }
 }
 
+/// Takes the legs of a scan into the list of people; the scanner stood at that place of the odometry frame. True if that
+/// changed the list at once, because the lidar is silent. One scan costs its beams, and tracks × legs.
+pub fn follow_legs(
+    people: &mut PeoplePipeline,
+    legs: &mut PeopleByLegs,
+    (scan, sensor_in_odom): (&Scan, Pose2),
+) -> bool {
+    let view = legs.process(scan, sensor_in_odom, None::<fn(Point2) -> bool>);
+    people.add_view(view)
+}
+
 /// Perception ring. Runs for ever. Packets come before scans, so that two runs with the same bytes take the same way.
 pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &mut PerceptionState<D>) {
     let mut builder = SweepBuilder::new(CUT_CDEG);
+    let hangs = state.turn_over_lidar();
     let mut twist = Twist2::ZERO;
     // Of sweeps and of scans.
     let mut unposed = [0_u32; 2];
@@ -131,6 +155,9 @@ pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &m
                 unposed[0] = unposed[0].saturating_add(1);
                 return;
             };
+            if hangs {
+                turn_over(sweep);
+            }
             let context = SweepContext { sensor_in_base: *sensor_in_base, twist, base_in_odom };
             let output = motion.people(people, sweep, &context);
             let learned = |track: &Track| motion.learned(track);

@@ -17,7 +17,7 @@ pub(super) const PORTION_BYTES: usize = 128;
 /// What an Ethernet frame holds, and more: a longer datagram must not pass for a right one.
 const DATAGRAM_BYTES: usize = 1_600;
 /// Legs are searched in beams as dense as those they were learned from, radians: half a degree.
-const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DEGREE;
+pub const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DEGREE;
 /// Bits 0 and 1 of the last byte of its state (book, microScan3: Blocks).
 const DEVICE_ERROR: u16 = 0x03;
 /// Pause after a failure of the line, milliseconds.

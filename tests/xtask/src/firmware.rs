@@ -11,6 +11,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::firmware_replay::{self, check_length};
 use crate::image_size::{Size, measure};
 use crate::machine::TARGET;
 use crate::{setup, shell, worst};
@@ -22,8 +23,6 @@ const TAPE_IMAGE: &str = "floorguard-mps2-an500-tape";
 const WIRED_IMAGE: &str = "floorguard-mps2-an500";
 /// The board's PSRAM.
 const TAPE_AT: u32 = 0x6000_0000;
-/// Behind it: 64 KiB for the black box of the wired image, and as much for the options of its bench.
-const TAPE_BYTES_MAX: u64 = (16 << 20) - (128 << 10);
 /// Instruction counts may differ from the golden file by this share.
 const GATE: f64 = 0.005;
 
@@ -82,6 +81,9 @@ pub struct Options {
     #[arg(long, conflicts_with_all = ["update", "wired"], num_args = 0..=1, default_missing_value = "all",
         value_parser = ["all", "few"])]
     faults: Option<String>,
+    /// Play the packets of this lidar capture instead of a scenario: the robot stands, and its other devices are simulated.
+    #[arg(long, value_name = "FILE.pcap.gz", conflicts_with_all = ["update", "wired", "faults", "scenario", "seed"])]
+    replay: Option<PathBuf>,
     /// Write the counts to the golden file instead of comparing them.
     #[arg(long)]
     update: bool,
@@ -120,10 +122,14 @@ pub fn run(options: &Options) -> Result<bool> {
     let folder = target_folder()?;
     std::fs::create_dir_all(folder.join("firmware-run"))?;
     let tape = folder.join("firmware-run").join("input.tape");
-    let hosted = record((&options.scenario, options.seed, options.tape_seconds()), &tape)?;
+    let hosted = match &options.replay {
+        Some(capture) => firmware_replay::record(capture, options.duration, &tape)?,
+        None => record((&options.scenario, options.seed, options.tape_seconds()), &tape)?,
+    };
     let image = build(&folder, TAPE_IMAGE)?;
     let mut outcome = play(&image, &tape)?;
-    let standard = (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
+    let standard = options.replay.is_none()
+        && (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
     let mut equal = outcome.digest == hosted;
     if standard {
         let crowd = record((CROWD, 2, 8), &tape)?;
@@ -273,12 +279,7 @@ fn record((scenario, seed, seconds): (&str, u64, u32), tape: &Path) -> Result<St
     simulate.args(["--duration", &seconds.to_string(), "--tape"]).arg(tape);
     let printed =
         shell::output(&mut simulate).context("the hosted run failed; try `cargo run -- simulate`")?;
-    let length = std::fs::metadata(tape)?.len();
-    if length > TAPE_BYTES_MAX {
-        bail!(
-            "the tape has {length} bytes, the board's memory {TAPE_BYTES_MAX}: choose a shorter --duration"
-        );
-    }
+    check_length(tape)?;
     let verdict: serde_json::Value = serde_json::from_str(printed.trim())?;
     Ok(verdict["digest"].as_str().context("the verdict has no digest")?.to_owned())
 }

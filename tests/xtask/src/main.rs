@@ -15,6 +15,7 @@ mod citations;
 mod features;
 mod figures;
 mod firmware;
+mod firmware_replay;
 mod image_size;
 mod machine;
 mod package;

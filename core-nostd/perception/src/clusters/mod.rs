@@ -9,6 +9,7 @@ mod ground;
 mod labels;
 mod projection;
 pub mod ring_clusters;
+mod upside_down;
 
 pub use cluster::{Cluster, ClusterLimits};
 pub(crate) use clusterer::{Clusterer, Obstacles, rings_of};
@@ -18,3 +19,4 @@ pub use ground::FloorMask;
 pub(crate) use labels::NONE;
 pub use projection::RingAngles;
 pub(crate) use projection::{ColumnFrame, RingProfile, SweepFrame};
+pub use upside_down::{hangs, turn_over, turned_over_mounting};

@@ -1,6 +1,6 @@
 //! From a scan to what the scanner says about people: pairs of legs, and where legs could have been seen.
 
-use super::detector::LegDetectorOf;
+use super::detector::{Leg, LegDetectorOf};
 use super::tracks::LegTracker;
 use crate::tracking::{PeopleSensor, PeopleViewOf};
 use floorguard_types::geometry::{Point2, Pose2};
@@ -18,6 +18,10 @@ pub struct PeopleByLegsOf<P: Profile> {
     view: PeopleViewOf<P>,
     /// People left out because the list was full, since the start.
     pub dropped: u32,
+    /// Segments of the newest scan that were examined.
+    pub segments: u32,
+    /// Legs left out because the list was full, since the start.
+    pub dropped_legs: u32,
 }
 
 /// The same in the memory of the target.
@@ -38,6 +42,8 @@ impl<P: Profile> PeopleByLegsOf<P> {
             tracker: LegTracker::new(),
             view: PeopleViewOf::new(PeopleSensor::Scanner),
             dropped: 0,
+            segments: 0,
+            dropped_legs: 0,
         }
     }
 
@@ -49,7 +55,9 @@ impl<P: Profile> PeopleByLegsOf<P> {
         sensor_in_odom: Pose2,
         map: Option<impl Fn(Point2) -> bool>,
     ) -> &PeopleViewOf<P> {
-        self.detector.process(scan, map);
+        let found = self.detector.process(scan, map);
+        self.segments = found.segments;
+        self.dropped_legs = self.dropped_legs.saturating_add(found.dropped);
         self.detector.move_legs(|place| sensor_in_odom.transform(place));
         self.tracker.update(scan.stamp, self.detector.legs());
         let Self { tracker, view, dropped, .. } = self;
@@ -64,6 +72,12 @@ impl<P: Profile> PeopleByLegsOf<P> {
             }
         });
         view
+    }
+
+    /// The legs of the newest scan, in the fixed frame.
+    #[must_use]
+    pub fn legs(&self) -> &[Leg] {
+        self.detector.legs()
     }
 
     /// The legs themselves, for display.

@@ -8,7 +8,10 @@ mod candidates;
 mod pipeline;
 mod splits;
 
-pub use crate::clusters::{Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, ring_clusters};
+pub use crate::clusters::{
+    Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, hangs, ring_clusters, turn_over,
+    turned_over_mounting,
+};
 pub use crate::shapes::{classify, person_model, shape};
 pub use crate::tracking::{
     Appearance, AppearanceOf, Association, ConstantVelocity, Detection, DetectionOf, Explanation,

@@ -17,6 +17,8 @@ pub enum Explanation {
     UnlikelyShape,
     /// What stands out of a larger object and has been rigid for ten seconds: no breath, no sway.
     RigidPart,
+    /// Only a scanner ever saw it, as a pair of legs, and it never walked: legs of chairs come in pairs, too.
+    LegsThatNeverWalked,
 }
 
 impl Explanation {
@@ -27,6 +29,7 @@ impl Explanation {
             Self::GoesOnAbove => "goes on above",
             Self::UnlikelyShape => "unlikely shape",
             Self::RigidPart => "rigid part",
+            Self::LegsThatNeverWalked => "legs that never walked",
         }
     }
 
@@ -80,7 +83,7 @@ const AGREE_MIN: u8 = 3;
 const AGREE_MAX: u8 = 10;
 /// What was this probably moving once has moved.
 const MOVED: f32 = 0.25;
-/// What moves now this probably may be a person of whom too little is known as yet.
+/// A moving object that fits a person is treated as a person until enough of it has been seen: from this probability.
 const MOVES: f32 = 0.1;
 /// A rigid object's middle stays within this, metres, and this share of its distance: range noise of 60 returns. The
 /// middle of a recorded person who waits stays within it for four seconds.
@@ -160,9 +163,14 @@ impl Evidence {
         self.has_moved |= old.has_moved;
     }
 
+    /// It moves, or it moved at some time.
+    pub(super) fn has_moved(&self, moving_probability: f32) -> bool {
+        self.has_moved || moving_probability >= MOVES
+    }
+
     /// What it is, if it is no person.
     pub(super) fn explain(&self, now: Stamp, moving_probability: f32) -> Option<Explanation> {
-        if self.has_moved || moving_probability >= MOVES {
+        if self.has_moved(moving_probability) {
             return None;
         }
         let is_rigid = matches!(self.rigid_since.age(now), Age::Past(age_us) if age_us >= RIGID_US);

@@ -211,13 +211,25 @@ impl<P: Profile> TrackOf<P> {
         }
     }
 
-    /// Says what explains it now. What another sensor than the lidar sees as well stays a person.
+    /// Says what explains it now. What another sensor than the lidar sees as well stays a person; of what the scanner
+    /// alone ever saw, only what walked.
     pub(super) fn explain(&mut self, now: Stamp) {
         self.evidence.note_motion(self.moving_probability);
+        if self.is_legs_alone() {
+            let never_walked = !self.evidence.has_moved(self.moving_probability);
+            self.explanation = never_walked.then_some(Explanation::LegsThatNeverWalked);
+            return;
+        }
         let lidar_alone = SensorSet::NONE.with(PeopleSensor::Lidar);
         let explanation = self.evidence.explain(now, self.moving_probability);
         let others_see_it = self.sensors(now).bits() & !lidar_alone.bits() != 0;
         self.explanation = explanation.filter(|found| found.is_positive() || !others_see_it);
+    }
+
+    /// No other sensor than the scanner ever saw it.
+    fn is_legs_alone(&self) -> bool {
+        let mut known = PeopleSensor::ALL.iter().zip(self.seen_by).filter(|(_, seen)| seen.is_some());
+        known.all(|(sensor, _)| *sensor == PeopleSensor::Scanner)
     }
 
     fn note_seen_by(&mut self, sensor: PeopleSensor, stamp: Stamp) {

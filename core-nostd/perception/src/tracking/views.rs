@@ -19,6 +19,9 @@ pub const VIEW_PEOPLE_MAX: usize = 16;
 pub const VIEWS_WAITING: usize = 8;
 /// Who waits longer than this for the lidar waits in vain, µs.
 const WAIT_MAX_US: u64 = 200_000;
+/// A lidar without a sweep for this long is silent, or there is none: views no longer wait for it, µs. At 300 revolutions a
+/// minute a sweep takes 200,000.
+const SILENT_US: u64 = 500_000;
 
 /// What a sensor saw at one moment.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,13 +56,15 @@ impl<P: Profile> PeopleViewOf<P> {
 #[derive(Clone, Debug)]
 pub(crate) struct WaitingViews<P: Profile> {
     views: Vec<PeopleViewOf<P>, VIEWS_WAITING>,
+    /// End of the newest sweep.
+    swept: Option<Stamp>,
     /// Views given to the tracker before their turn because the queue was full, since the start.
     pub(crate) hurried: u32,
 }
 
 impl<P: Profile> WaitingViews<P> {
     pub(crate) const fn new() -> Self {
-        Self { views: Vec::new(), hurried: 0 }
+        Self { views: Vec::new(), swept: None, hurried: 0 }
     }
 
     /// Lets a view wait. When full, the oldest one goes to the tracker at once.
@@ -73,15 +78,18 @@ impl<P: Profile> WaitingViews<P> {
         let _ = self.views.insert(place.unwrap_or(self.views.len()), view.clone());
     }
 
-    /// Gives the tracker what was seen up to `stamp`, oldest first. True if there was something.
+    /// A sweep ended at `stamp`: gives the tracker what was seen up to then, oldest first. True if there was something.
     pub(crate) fn give_until(&mut self, stamp: Stamp, tracker: &mut TrackerOf<P>) -> bool {
+        self.swept = Some(stamp);
         self.give_while(tracker, |view| view.stamp <= stamp)
     }
 
-    /// The lidar is silent: gives the tracker what waited too long. True if there was something.
+    /// Gives the tracker what waited too long for the lidar; everything where it is silent or has never sent a sweep.
+    /// True if there was something.
     pub(crate) fn give_overdue(&mut self, tracker: &mut TrackerOf<P>) -> bool {
         let Some(newest) = self.views.last().map(|view| view.stamp) else { return false };
-        self.give_while(tracker, |view| view.stamp.past_us(newest) >= WAIT_MAX_US)
+        let is_silent = self.swept.is_none_or(|swept| swept.past_us(newest) >= SILENT_US);
+        self.give_while(tracker, |view| is_silent || view.stamp.past_us(newest) >= WAIT_MAX_US)
     }
 
     fn give_while(&mut self, tracker: &mut TrackerOf<P>, is_due: impl Fn(&PeopleViewOf<P>) -> bool) -> bool {
@@ -154,16 +162,29 @@ mod tests {
     fn silent_lidar_blocks_nothing_and_queue_is_bounded() {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         let mut waiting = WaitingViews::new();
-        for scan in 0..20_u64 {
+        waiting.give_until(Stamp::ZERO, &mut tracker);
+        for scan in 1..20_u64 {
             waiting.add(&legs(scan * 40_000, 2.0), &mut tracker);
             let given = waiting.give_overdue(&mut tracker);
-            assert_eq!(given, scan >= 5, "scan {scan}");
+            assert_eq!(given, scan >= 6, "scan {scan}");
+            // Half a second after the only sweep no view waits any longer.
+            assert_eq!(waiting.views.is_empty(), scan >= 13, "scan {scan}");
         }
         assert_eq!(tracker.tracks().len(), 1);
         assert_eq!(waiting.hurried, 0);
-        for _ in 0..VIEWS_WAITING {
+        for _ in 0..=VIEWS_WAITING {
             waiting.add(&legs(900_000, 2.0), &mut tracker);
         }
-        assert_eq!((waiting.views.len(), waiting.hurried), (VIEWS_WAITING, 5));
+        assert_eq!((waiting.views.len(), waiting.hurried), (VIEWS_WAITING, 1));
+    }
+
+    /// A robot without a lidar follows legs at once.
+    #[test]
+    fn without_a_lidar_nothing_waits() {
+        let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+        let mut waiting = WaitingViews::new();
+        waiting.add(&legs(40_000, 2.0), &mut tracker);
+        assert!(waiting.give_overdue(&mut tracker) && waiting.views.is_empty());
+        assert_eq!(tracker.tracks().len(), 1);
     }
 }

@@ -2,8 +2,10 @@
 
 mod mission_plan;
 mod outside;
+mod recorded_lidar;
 mod run_plan;
 
 pub use mission_plan::{navigation_of_scenario, plan_of_scenario};
 pub use outside::{HeardAt, OutsideProgram, SentFrame, Stretch};
+pub use recorded_lidar::RecordedLidar;
 pub use run_plan::{Plan, PlanError};

@@ -1,6 +1,7 @@
 //! What to simulate: scenario, seed, duration, faults, and the robot that drives the scenario's route.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use floorguard_runtime::configuration::{
     LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
@@ -15,6 +16,7 @@ use floorguard_types::geometry::{Point2, Point3, Pose2};
 
 use super::mission_plan::{navigation_of_scenario, plan_of_scenario};
 use super::outside::OutsideProgram;
+use super::recorded_lidar::RecordedLidar;
 use floorguard_configuration::{
     CommandConfiguration, EXAMPLE, HostedConfiguration, NavigationConfiguration, parse,
 };
@@ -61,6 +63,8 @@ pub struct Plan {
     pub emergency_stop_us: Vec<(u64, u64)>,
     /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
     pub lidar_grain: usize,
+    /// Its packets come in place of those of the simulated lidar.
+    pub lidar: Option<Arc<RecordedLidar>>,
     /// The program that drives the robot from outside instead of the route; with `outside` its script.
     pub command: Option<CommandConfiguration>,
     /// What that program sends in virtual time.
@@ -135,6 +139,7 @@ impl Plan {
             learning: None,
             emergency_stop_us: Vec::new(),
             lidar_grain: 1,
+            lidar: None,
             command: None,
             outside: None,
             is_corrupted: false,

@@ -3,6 +3,7 @@
 mod by_hand;
 mod ends;
 mod floor_camera;
+mod lidar_playback;
 mod lines;
 mod observation;
 mod observer;

@@ -9,6 +9,7 @@ use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::time::Stamp;
 
 use super::floor_camera::SimulatedCamera;
+use super::lidar_playback::LidarPlayback;
 use super::lines::{Ends, IMU_BAUD, Lines};
 use super::observer::Observer;
 use super::operator::Operator;
@@ -64,6 +65,7 @@ struct World<'a, 'b> {
     /// On the way from the computer to the bus.
     output_faults: FaultLayer,
     operator: Operator,
+    lidar: LidarPlayback,
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
     /// Where the robot drives.
@@ -104,6 +106,7 @@ fn play(
         faults: FaultLayer::new(&plan.faults, plan.seed),
         output_faults: FaultLayer::for_output(&plan.faults, plan.seed),
         operator: Operator::new(plan.emergency_stop_us.clone()),
+        lidar: LidarPlayback::new(plan.lidar.clone()),
         mission: plan
             .mission
             .clone()
@@ -241,6 +244,7 @@ impl World<'_, '_> {
             .min(self.faults.next_event_us())
             .min(self.output_faults.next_event_us())
             .min(self.judge_us)
+            .min(self.lidar.next_us())
     }
 
     /// What the computer has sent: frames, and requests to the inertial sensor.
@@ -271,11 +275,16 @@ impl World<'_, '_> {
 
     /// Plays up to now; what reaches the computer goes into its lines.
     fn advance(&mut self, lines: &Lines) {
-        let Self { simulation, faults, output_faults, sinks, now_us, .. } = self;
+        let Self { simulation, faults, output_faults, sinks, now_us, lidar, .. } = self;
         let now_us = *now_us;
         output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
         simulation.advance_to(now_us, &mut |event| {
-            faults.pass(event, &mut |event| lines.deliver(event, now_us, sinks))
+            if !lidar.replaces(&event) {
+                faults.pass(event, &mut |event| lines.deliver(event, now_us, sinks));
+            }
+        });
+        lidar.release(now_us, &mut |event| {
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, sinks));
         });
         faults.release(now_us, &mut |event| lines.deliver(event, now_us, sinks));
     }

@@ -41,6 +41,9 @@ pub enum Command {
     )]
     Simulate(super::SimulateArguments),
     #[cfg(feature = "laboratory")]
+    /// Write a recorded lidar as a tape for the emulated board; `cargo xtask firmware --replay FILE` plays it there.
+    Tape(super::TapeArguments),
+    #[cfg(feature = "laboratory")]
     /// Many seeded runs on all cores: encounters with people, faults, worlds judged for contacts by true geometry.
     #[command(after_help = "Example:\n  floorguard campaign encounters --trials 100 --seed 1")]
     Campaign(super::CampaignArguments),

@@ -5,6 +5,7 @@ use clap::{Args, Subcommand};
 #[cfg(feature = "laboratory")]
 use super::eval_stages::{self, RecordedStage};
 use crate::mapping_commands::{SlamArguments, eval_slam};
+use crate::recordings::{GroundArguments, eval_ground};
 
 /// What to evaluate.
 #[derive(Clone, Debug, Args)]
@@ -20,6 +21,8 @@ pub struct EvalArguments {
 /// A stage and its files.
 #[derive(Clone, Debug, Subcommand)]
 pub enum EvalStage {
+    /// The floor in one turn of a lidar, out of a point cloud (PLY, PCD, KITTI).
+    Ground(GroundArguments),
     /// A trajectory against reference relations or a true trajectory.
     Slam(SlamArguments),
     /// A stage of the robot.
@@ -34,6 +37,7 @@ pub enum EvalStage {
 /// Bad input, or a verdict that is not good enough.
 pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
     match &arguments.stage {
+        EvalStage::Ground(ground) => eval_ground(ground, arguments.json),
         EvalStage::Slam(slam) => eval_slam(slam, arguments.json),
         #[cfg(feature = "laboratory")]
         EvalStage::Recorded(stage) => eval_stages::run(stage, arguments.json),

@@ -38,6 +38,8 @@ mod simulate;
 #[cfg(feature = "laboratory")]
 mod sinks;
 #[cfg(feature = "laboratory")]
+mod tape;
+#[cfg(feature = "laboratory")]
 mod train;
 mod values;
 
@@ -65,6 +67,8 @@ pub use report::ReportArguments;
 pub use run::RunArguments;
 #[cfg(feature = "laboratory")]
 pub use simulate::SimulateArguments;
+#[cfg(feature = "laboratory")]
+pub use tape::TapeArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
@@ -102,6 +106,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Tape(arguments)) => tape::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Goto(arguments)) => goto::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -35,7 +35,7 @@ fn refusal(path: &Path) -> String {
 }
 
 /// A hall with a floor and somebody who walks through it, seen by a lidar of 16 rings at 0.8 m.
-fn hall(at_s: f32) -> Vec<PointRow> {
+pub(super) fn hall(at_s: f32) -> Vec<PointRow> {
     let mut points = Vec::new();
     let walker = (3.0_f32, -2.0 + 1.2 * at_s);
     for ring in 0..16_u16 {
@@ -59,7 +59,7 @@ fn hall(at_s: f32) -> Vec<PointRow> {
     points
 }
 
-fn bag(folder: &Path, seconds: u64) -> PathBuf {
+pub(super) fn bag(folder: &Path, seconds: u64) -> PathBuf {
     let path = folder.join("hall.mcap");
     let file = std::fs::File::create(&path).expect("a file");
     let mut recorder = Recorder::new(file).expect("written");
@@ -171,13 +171,24 @@ fn standing_packet() -> Vec<u8> {
 
 /// A frame of a capture with a datagram to the lidar's port.
 fn captured(payload: &[u8]) -> Vec<u8> {
+    captured_at(0, 2_368, payload)
+}
+
+/// A frame of a capture with a datagram to a port, at a time in microseconds.
+pub(super) fn captured_at(time_us: u64, port: u16, payload: &[u8]) -> Vec<u8> {
     let length = |more: usize| ((payload.len() + more) as u16).to_be_bytes();
-    let udp = [&[9, 64, 9, 64][..], &length(8), &[0, 0], payload].concat();
+    let udp = [&port.to_be_bytes()[..], &port.to_be_bytes(), &length(8), &[0, 0], payload].concat();
     let ip =
         [&[0x45, 0][..], &length(28), &[0, 0, 0, 0, 64, 17, 0, 0], &[192, 168, 1, 201], &[255; 4]].concat();
     let frame = [vec![0xff; 12], vec![8, 0], ip, udp].concat();
     let size = (frame.len() as u32).to_le_bytes();
-    [&[0; 8][..], &size, &size, &frame].concat()
+    let time = [(time_us / 1_000_000) as u32, (time_us % 1_000_000) as u32].map(u32::to_le_bytes).concat();
+    [&time[..], &size, &size, &frame].concat()
+}
+
+/// The head of a capture of Ethernet.
+pub(super) fn pcap_head() -> Vec<u8> {
+    [&[0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0][..], &[0; 8], &[0, 0, 1, 0, 1, 0, 0, 0]].concat()
 }
 
 /// A capture of 20 GB in less than a mebibyte: after its head nothing but empty packets, zeros in frames of zstd.
@@ -200,7 +211,7 @@ fn non_data_is_refused_with_a_reason() {
     let mut words = Recorder::new(std::io::Cursor::new(Vec::new())).expect("memory");
     words.digest(Stamp::ZERO, 7).expect("memory");
     let words = words.finish().expect("memory").into_inner();
-    let pcap = [&[0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0][..], &[0; 8], &[0, 0, 1, 0, 1, 0, 0, 0]].concat();
+    let pcap = pcap_head();
     let standing = [pcap.clone(), captured(&standing_packet())].concat();
     let mountain = packed_mountain(&pcap);
     assert!(mountain.len() < 1 << 20, "{} bytes", mountain.len());

@@ -17,6 +17,14 @@ pub struct Datagram {
     pub payload: Vec<u8>,
 }
 
+/// What a datagram of a microScan3 begins with (book, microScan3: Datagrams).
+const SCANNER_START: &[u8] = b"MS3 MD";
+
+/// A microScan3 sent this payload, whatever the port.
+pub fn is_scanner_datagram(payload: &[u8]) -> bool {
+    payload.starts_with(SCANNER_START)
+}
+
 /// What a frame holds.
 pub(super) enum Content<'a> {
     Udp { source: SocketAddrV4, destination_port: u16, payload: &'a [u8] },

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
-use floorguard_recording::capture::{Capture, LIDAR_DATA_PORT, settle_model};
+use floorguard_recording::capture::{Capture, LIDAR_DATA_PORT, is_scanner_datagram, settle_model};
 use floorguard_types::time::Stamp;
 
 use super::page::{Page, Stream};
@@ -16,7 +16,7 @@ use super::timeline::Timeline;
 /// It cannot be opened.
 pub fn page(file: &Path) -> anyhow::Result<Page> {
     let mut page = Page::new("a capture of the network");
-    let mut ports = BTreeMap::<u16, (Timeline, usize)>::new();
+    let mut ports = BTreeMap::<u16, (Timeline, usize, bool)>::new();
     let model = settle_model(file, ModelChoice::Auto);
     let mut decoder =
         Decoder::new(model.as_ref().map_or(ModelChoice::Auto, |model| ModelChoice::Fixed(*model)));
@@ -29,19 +29,21 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
                 break;
             }
         };
-        let (timeline, bytes) = ports.entry(datagram.destination_port).or_default();
+        let (timeline, bytes, is_scanner) = ports.entry(datagram.destination_port).or_default();
         timeline.add(datagram.captured_us);
         *bytes = datagram.payload.len();
+        *is_scanner |= is_scanner_datagram(&datagram.payload);
         if datagram.destination_port == LIDAR_DATA_PORT {
             let decoded = decoder.decode(&datagram.payload, Stamp::from_micros(datagram.captured_us));
             refusal = decoded.err().or(refusal);
         }
     }
-    for (port, (timeline, bytes)) in &ports {
+    let has_scanner = ports.values().any(|(.., is_scanner)| *is_scanner);
+    for (port, (timeline, bytes, is_scanner)) in &ports {
         let kind = match *port {
+            _ if *is_scanner => "microScan3 data",
             LIDAR_DATA_PORT => "lidar data",
             8_308 => "lidar position",
-            6_060 => "microScan3 data",
             _ => "datagrams",
         };
         let mut stream = Stream::new(format!("port {port}"), kind, timeline);
@@ -52,14 +54,20 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
         page.streams.push(stream);
     }
     match model {
-        Ok(Model::Vlp16 | Model::HiRes) => {
+        Ok(model) => {
             page.commands.push("floorguard replay: people in its sweeps".to_owned());
             page.commands.push("floorguard decode --csv: every return".to_owned());
+            page.commands.push("floorguard map3d: a map of the place in space".to_owned());
+            if matches!(model, Model::Vlp16) {
+                page.commands
+                    .push("cargo xtask firmware --replay: the same on the emulated board".to_owned());
+            }
         }
-        Ok(_) => page
-            .commands
-            .push("floorguard decode --csv: every return (people stages take 16 rings)".to_owned()),
+        Err(_) if has_scanner => {}
         Err(error) => page.faults.push(error.to_string()),
+    }
+    if has_scanner {
+        page.commands.push("floorguard replay: legs and people in the scans of the microScan3".to_owned());
     }
     Ok(page)
 }

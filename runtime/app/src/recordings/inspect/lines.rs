@@ -172,6 +172,25 @@ pub fn tracks(file: &Path) -> Option<Page> {
     Some(page)
 }
 
+/// The Edinburgh tracks, which are in pixels; `None` if they are none.
+///
+/// # Errors
+/// It cannot be read.
+pub fn pixel_tracks(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
+    const TRACK: &str = "TRACK.R";
+    if !String::from_utf8_lossy(begins).contains(TRACK) {
+        return Ok(None);
+    }
+    let text = packing::text(file).map_err(|error| BadInput(format!("{}: {error}", file.display())))?;
+    let tracks = text.lines().filter(|line| line.trim_start().starts_with(TRACK)).count() as u64;
+    let mut page = Page::new("tracks of people in the pixels of a camera (Edinburgh)");
+    page.streams
+        .push(Stream { count: tracks, ..Stream::new("tracks", "pixels and frames", &Timeline::default()) });
+    let what = "in pixels: turn them into metres by the camera's homography, and write time_s,id,x_m,y_m";
+    page.faults.push(what.to_owned());
+    Ok(Some(page))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,6 +2,7 @@
 
 mod bag;
 mod capture;
+mod cloud;
 mod lines;
 mod page;
 mod run;

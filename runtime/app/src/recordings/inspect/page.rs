@@ -76,8 +76,17 @@ impl fmt::Display for Page {
         for stream in &self.streams {
             let Stream { name, kind, count, frame, fields, times, faults } = stream;
             write!(f, "  {name} ({kind}): {count}")?;
-            if let Some(rate_hz) = times.rate_hz {
-                write!(f, " in {:.1} s, {rate_hz:.1} Hz", times.duration_s)?;
+            match (times.rate_hz, times.mean_rate_hz) {
+                // Usually as often as in the mean: one number says it.
+                (Some(rate_hz), Some(mean_hz)) if (mean_hz - rate_hz).abs() > 0.1 * rate_hz => {
+                    write!(
+                        f,
+                        " in {:.1} s, {mean_hz:.1} Hz in the mean, mostly {rate_hz:.1} Hz",
+                        times.duration_s
+                    )?;
+                }
+                (Some(rate_hz), _) => write!(f, " in {:.1} s, {rate_hz:.1} Hz", times.duration_s)?,
+                (None, _) => {}
             }
             if let Some(frame) = frame {
                 write!(f, ", frame {frame:?}")?;

@@ -7,7 +7,7 @@ use clap::Args;
 use floorguard_host::packing::{beginning, must_be_a_file};
 
 use super::page::Page;
-use super::{bag, capture, lines, serial};
+use super::{bag, capture, cloud, lines, serial};
 use crate::recordings::replay::{MCAP_MAGIC, is_capture, is_log, not_for_us};
 use floorguard_host::outcome::BadInput;
 
@@ -17,7 +17,8 @@ const SNIFF_BYTES: u64 = 65_536;
 /// What to look at.
 #[derive(Clone, Debug, Args)]
 pub struct InspectArguments {
-    /// A recording or bag (.mcap), a capture (.pcap, .pcapng), a laser log, tracks (.csv, .txt), a candump, or the bytes
+    /// A recording or bag (.mcap), a capture (.pcap, .pcapng), a laser log, tracks (.csv, .txt,
+    /// .ndjson), a point cloud (.ply, .pcd), a candump, or the bytes
     /// of an MTi's or S300's line; packed or not.
     pub file: PathBuf,
     /// One object on standard output instead of the page.
@@ -60,10 +61,16 @@ fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Page> {
     if let Some(page) = lines::candump(file, begins)? {
         return Ok(page);
     }
+    if let Some(page) = lines::pixel_tracks(file, begins)? {
+        return Ok(page);
+    }
+    if let Some(page) = cloud::page(file, begins)? {
+        return Ok(page);
+    }
     if let Some(page) = lines::tracks(file) {
         return Ok(page);
     }
-    let known = "recordings and bags (MCAP), captures (pcap), laser logs (CARMEN), tracks (CSV), candump, and the bytes \
-                 of an MTi or S300";
+    let known = "recordings and bags (MCAP), captures (pcap), laser logs (CARMEN), tracks (ETH, UCY, L-CAS, HERMES, CSV), \
+                 point clouds (PLY, PCD), candump, and the bytes of an MTi or S300";
     Err(BadInput(format!("{}: nothing that we know; known are {known}", file.display())).into())
 }

@@ -1,5 +1,6 @@
 //! The times of one stream: whether they grow, how fast, and where there are gaps.
 
+use floorguard_host::words::counted;
 use serde::Serialize;
 
 /// A gap is longer than so many usual steps …
@@ -18,6 +19,8 @@ pub struct Timeline {
     equal: u64,
     backwards: u64,
     steps_us: Vec<u64>,
+    /// The longest step, and when it began.
+    longest_us: (u64, u64),
 }
 
 /// What they came to.
@@ -29,6 +32,8 @@ pub struct Times {
     pub duration_s: f64,
     /// By the step in the middle of all steps.
     pub rate_hz: Option<f64>,
+    /// By the number and the whole time.
+    pub mean_rate_hz: Option<f64>,
     /// As the one before.
     pub equal: u64,
     /// Earlier than the one before.
@@ -37,6 +42,8 @@ pub struct Times {
     pub gaps: u64,
     /// The longest step, seconds.
     pub longest_s: f64,
+    /// When it began, seconds after the first one.
+    pub longest_at_s: f64,
 }
 
 impl Timeline {
@@ -48,8 +55,14 @@ impl Timeline {
             self.equal += 1;
         } else if time_us < self.last_us {
             self.backwards += 1;
-        } else if self.steps_us.len() < STEPS_KEPT {
-            self.steps_us.push(time_us - self.last_us);
+        } else {
+            let step_us = time_us - self.last_us;
+            if step_us > self.longest_us.0 {
+                self.longest_us = (step_us, self.last_us);
+            }
+            if self.steps_us.len() < STEPS_KEPT {
+                self.steps_us.push(step_us);
+            }
         }
         self.last_us = time_us;
         self.count += 1;
@@ -67,14 +80,18 @@ impl Timeline {
         steps.sort_unstable();
         let usual_s = steps.get(steps.len() / 2).map(|step| seconds(*step));
         let is_gap = |step: &u64| seconds(*step) > (usual_s.unwrap_or(0.0) * GAP_STEPS).max(GAP_S);
+        let first_us = self.first_us.unwrap_or(0);
+        let duration_s = seconds(self.last_us.saturating_sub(first_us));
         Times {
             first_s: self.first_us.map(seconds),
-            duration_s: seconds(self.last_us.saturating_sub(self.first_us.unwrap_or(0))),
+            duration_s,
+            mean_rate_hz: (self.count > 1 && duration_s > 0.0).then(|| (self.count - 1) as f64 / duration_s),
             rate_hz: usual_s.map(|step_s| 1.0 / step_s),
             equal: self.equal,
             backwards: self.backwards,
             gaps: steps.iter().filter(|step| is_gap(step)).count() as u64,
-            longest_s: steps.last().map_or(0.0, |step| seconds(*step)),
+            longest_s: seconds(self.longest_us.0),
+            longest_at_s: seconds(self.longest_us.1.saturating_sub(first_us)),
         }
     }
 }
@@ -92,7 +109,9 @@ impl Times {
             faults.push(format!("{} of {count} are earlier than the one before", self.backwards));
         }
         if self.gaps > 0 {
-            faults.push(format!("{} gaps, the longest {:.2} s", self.gaps, self.longest_s));
+            let Self { longest_s, longest_at_s, .. } = self;
+            let gaps = counted(self.gaps, "gap");
+            faults.push(format!("{gaps}, the longest {longest_s:.2} s at {longest_at_s:.1} s"));
         }
         faults
     }
@@ -114,7 +133,7 @@ mod tests {
             of(&[1_000, 2_000, 2_000, 1_500]),
             "1 of 4 bear the time of the one before; 1 of 4 are earlier than the one before"
         );
-        assert_eq!(of(&[0, 100_000, 200_000, 900_000, 1_000_000]), "1 gaps, the longest 0.70 s");
+        assert_eq!(of(&[0, 100_000, 200_000, 900_000, 1_000_000]), "1 gap, the longest 0.70 s at 0.2 s");
         assert_eq!(of(&[0, 100_000, 200_000]), "");
     }
 }

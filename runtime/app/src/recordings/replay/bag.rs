@@ -3,21 +3,22 @@
 //! Frames: with odometry in the bag, people are in its frame; mountings come from `/tf_static` (base_link or
 //! base_footprint to the sensor, over any number of links). Without them the sensor stands upright at the robot's origin.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::io::Read;
 
 use floorguard_localisation::odometry::PoseHistory;
-use floorguard_perception::people::{PeoplePipeline, SweepContext};
+use floorguard_perception::people::SweepContext;
 use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
-use super::capture::ASSUMED_HEIGHT_M;
 use super::cloud::CloudSorter;
 use super::floor_below::floor_below_m;
 use super::recorded::Recorded as Written;
-use super::rows::{SweepRow, print};
-use super::scans::{ScanPlayer, to_scan};
+use super::rows::print;
+use super::scans::to_scan;
+use super::stages::RobotStages;
+use super::standing_lidar::ASSUMED_HEIGHT_M;
 use super::summary::Summary;
 use crate::recordings::arguments::ReplayArguments;
 use crate::recordings::frame_tree::{FrameTree, flat};
@@ -36,7 +37,9 @@ struct Player<'a> {
     topic: Option<&'a str>,
     json: bool,
     lidar: Option<Lidar>,
-    scanners: BTreeMap<String, ScanPlayer>,
+    stages: RobotStages,
+    /// Topics of scans so far.
+    scanners: BTreeSet<String>,
     mountings: FrameTree,
     odometry: PoseHistory,
     twist: Twist2,
@@ -52,7 +55,6 @@ struct Lidar {
     topic: String,
     sorter: CloudSorter,
     sweep: Box<Sweep>,
-    pipeline: Option<Box<PeoplePipeline>>,
     /// Of the floor below, and with which mounting it was found.
     height: Option<(Option<Transform3>, f32)>,
 }
@@ -71,7 +73,8 @@ pub fn run<R: Read>(
         topic: arguments.topic.as_deref(),
         json: arguments.json,
         lidar: None,
-        scanners: BTreeMap::new(),
+        stages: RobotStages::new()?,
+        scanners: BTreeSet::new(),
         mountings: FrameTree::default(),
         odometry: PoseHistory::new(),
         twist: Twist2::ZERO,
@@ -166,7 +169,6 @@ impl Player<'_> {
             topic: message.topic.to_string(),
             sorter: CloudSorter::default(),
             sweep: Box::new(Sweep::EMPTY),
-            pipeline: None,
             height: None,
         });
         if lidar.topic != *message.topic {
@@ -177,7 +179,7 @@ impl Player<'_> {
             .sweep(&cloud, &mut lidar.sweep)
             .map_err(|error| BadInput(format!("{}: {}: {error}", self.name, message.topic)))?;
         let angles = lidar.sorter.angles();
-        let pipeline = lidar.pipeline.get_or_insert_with(|| Box::new(PeoplePipeline::new(angles)));
+        self.stages.set_rings(angles);
         let mut sensor_in_base = mounting.unwrap_or(Transform3::IDENTITY);
         // The frame tree may name a lidar's mounting later than the first cloud.
         if lidar.height.is_none_or(|(with, _)| with != mounting) {
@@ -193,12 +195,15 @@ impl Player<'_> {
             (None, tree_m) => tree_m.unwrap_or(ASSUMED_HEIGHT_M),
         };
         let base_in_odom = pose.unwrap_or_default();
-        let output = pipeline.process(&lidar.sweep, &SweepContext { sensor_in_base, twist, base_in_odom });
         let frame = if pose.is_some() { "odom" } else { "sensor" };
-        self.sweeps
-            .people(output.tracks.iter().filter(|track| track.is_taken_for_person()).map(|track| track.id));
-        let row = SweepRow::of_output(&lidar.sweep, &output).in_frame(frame);
-        self.written.sweep((&lidar.sweep, &angles), (&sensor_in_base, (base_in_odom, twist)), row.people());
+        let context = SweepContext { sensor_in_base, twist, base_in_odom };
+        let row = self.stages.sweep(&lidar.sweep, &context, frame);
+        self.sweeps.frame(&row);
+        self.written.sweep(
+            (&lidar.sweep, &angles),
+            (&sensor_in_base, (base_in_odom, twist)),
+            row.everybody(),
+        );
         if self.json {
             print(&row)?;
         }
@@ -219,12 +224,14 @@ impl Player<'_> {
         let angles = (laser.first_angle_rad, laser.step_rad);
         let limits_m = [laser.range_min_m, laser.range_max_m];
         let scan = to_scan(laser.header.stamp, angles, &laser.ranges_m, limits_m);
-        let sensor = pose.unwrap_or_default().compose(flat(&mounting));
-        let frame = if pose.is_some() { "odom" } else { "sensor" };
-        let player = self.scanners.entry(message.topic.to_string()).or_insert_with(ScanPlayer::new);
-        let row = player.scan(&scan, (sensor, frame));
-        self.scans.legs += row.legs() as u64;
-        self.scans.people(row.people());
+        let mounting = flat(&mounting);
+        let sensor = pose.unwrap_or_default().compose(mounting);
+        let mut row = self.stages.scan(&message.topic, &scan, (mounting, pose));
+        self.scanners.insert(message.topic.to_string());
+        if self.scanners.len() > 1 {
+            row = row.of_topic(&message.topic);
+        }
+        self.scans.frame(&row);
         self.written.scan(&scan, sensor, row.everybody());
         if self.json {
             print(&row)?;
@@ -239,12 +246,13 @@ impl Player<'_> {
         if self.empty > 0 {
             say!("{} empty scans or clouds: the sensor sent no values", self.empty);
         }
-        if self.sweeps.frames > 0 {
-            say!("{}", self.sweeps.line("sweep"));
+        for (summary, what) in [(&self.sweeps, "sweep"), (&self.scans, "scan")] {
+            if summary.frames > 0 {
+                say!("{}", summary.line(what));
+            }
+            summary.say_standing(what);
         }
-        if self.scans.frames > 0 {
-            say!("{}", self.scans.line("scan"));
-        }
+        self.stages.say_times();
         if self.sweeps.frames + self.scans.frames > 0 {
             return Ok(());
         }

@@ -1,184 +1,247 @@
-//! A lidar capture through the people stages.
+//! A capture of the network through the robot's stages: a lidar's packets, a microScan3's datagrams, or both.
 
 use std::time::{Duration, Instant};
 
-use floorguard_drivers::velodyne::{
-    ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder,
-};
-use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
-use floorguard_perception::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
-use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_drivers::microscan3;
+use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::people::RingAngles;
+use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
+use super::many_rings::ManyRings;
 use super::recorded::Recorded;
-use super::rows::{SweepRow, print};
+use super::rows::{FrameRow, print};
+use super::stages::RobotStages;
+use super::standing_lidar::StandingLidar;
+use super::summary::Summary;
 use crate::recordings::arguments::ReplayArguments;
 use floorguard_host::outcome::BadInput;
 use floorguard_host::words::counted;
-use floorguard_recording::capture::{Capture, CaptureError};
-use floorguard_recording::capture::{LIDAR_DATA_PORT, settle_model};
+use floorguard_recording::capture::{
+    Capture, CaptureError, Datagram, LIDAR_DATA_PORT, is_scanner_datagram, settle_model,
+};
 
-/// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
-pub(super) const ASSUMED_HEIGHT_M: f32 = 0.8;
+/// Revolutions are cut behind the sensor, as on the robot.
+const CUT_CDEG: u16 = 18_000;
+/// So many datagrams tell whether a scanner sends.
+const LOOK_AHEAD: usize = 2_000;
 
-/// A sweep with fewer columns began or ended in the middle of a revolution.
-const WHOLE_COLUMNS: usize = 1_500;
+/// What makes sweeps of packets.
+enum Cutter {
+    Sixteen(SweepBuilder, Box<Sweep<16>>),
+    Many(ManyRings),
+}
 
+/// The lidar of a capture.
+struct Lidar {
+    decoder: Decoder,
+    cutter: Cutter,
+    refusal: Option<String>,
+    odd_block: Option<String>,
+}
+
+/// What both sensors of a capture end in.
 struct Player {
-    pipeline: Box<PeoplePipeline>,
-    angles: RingAngles,
-    motion: Box<MotionDetector>,
-    context: SweepContext,
-    floor_known: bool,
+    stages: RobotStages,
+    standing: StandingLidar,
+    closed_cdeg: u32,
     json: bool,
-    sweeps: u64,
-    most_people: usize,
-    identities: std::collections::BTreeSet<u32>,
+    sweeps: Summary,
+    scans: Summary,
     failed: std::io::Result<()>,
     recorded: Recorded,
-    closed: Option<ClosedSector>,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// Bad input; every sweep before it has been processed and printed.
+/// Bad input; every sweep and scan before it has been processed and printed.
 pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
-    let model = settle_model(&arguments.file, arguments.model.choice())?;
-    if !matches!(model, Model::Vlp16 | Model::HiRes) {
-        let name = model.name();
-        let reason =
-            format!("the people stages know lidars of 16 rings; this one is a {name} (decode works)");
-        return Err(BadInput(format!("{}: {reason}", arguments.file.display())).into());
+    let mut lidar = match settle_model(&arguments.file, arguments.model.choice()) {
+        Ok(model) => Some(Lidar::new(model)),
+        Err(_) if holds_a_scanner(arguments)? => None,
+        Err(error) => return Err(error),
+    };
+    let mut player = Player {
+        stages: RobotStages::new()?,
+        standing: StandingLidar::new(arguments.tilt),
+        closed_cdeg: 0,
+        json: arguments.json,
+        sweeps: Summary::new(),
+        scans: Summary::new(),
+        failed: Ok(()),
+        recorded: Recorded::open(&arguments.file, arguments.record.as_deref())?,
+    };
+    if let Some(angles) = lidar.as_ref().and_then(Lidar::rings) {
+        player.stages.set_rings(angles);
     }
-    let mut decoder = Decoder::new(ModelChoice::Fixed(model));
-    let mut builder = SweepBuilder::new(18_000);
-    let mut building = Box::new(Sweep::<16>::EMPTY);
-    let recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
-    let mut player = Player::new(model, arguments.json, recorded);
+    let mut scanner = Box::new(microscan3::Receiver::new(microscan3::Configuration::default()));
     let mut pace = Pace { enabled: arguments.realtime, start: None };
     let mut ended: Option<CaptureError> = None;
-    let mut refusal: Option<DecodeError> = None;
-    let mut odd_block = None;
-    let started = Instant::now();
     for datagram in Capture::open(&arguments.file)? {
-        match datagram {
-            Ok(datagram) if datagram.destination_port == LIDAR_DATA_PORT => {
+        match (datagram, &mut lidar) {
+            (Ok(datagram), Some(lidar)) if datagram.destination_port == LIDAR_DATA_PORT => {
                 pace.wait(datagram.captured_us);
-                let arrival = Stamp::from_micros(datagram.captured_us);
-                player.recorded.datagram(arrival, &datagram.payload);
-                match decoder.decode(&datagram.payload, arrival) {
-                    Ok((packet, lost)) => {
-                        player.closed = decoder.closed_sector();
-                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
-                        odd_block = decoder.odd_block().or(odd_block);
-                    }
-                    Err(error) => refusal = Some(error),
-                }
+                lidar.take(&datagram, &mut player);
             }
-            Ok(_) => {}
-            Err(error) => ended = Some(error),
+            (Ok(datagram), _) if is_scanner_datagram(&datagram.payload) => {
+                pace.wait(datagram.captured_us);
+                player.scanner(&mut scanner, &datagram);
+            }
+            (Ok(_), _) => {}
+            (Err(error), _) => ended = Some(error),
         }
     }
-    if building.column_count > 0 {
-        player.sweep(&building);
+    if let Some(lidar) = &mut lidar {
+        lidar.finish(&mut player);
     }
     std::mem::replace(&mut player.failed, Ok(()))?;
-    let counters = decoder.counters();
-    if let Some(error) = refusal {
-        let refused = counted(counters.refused, "packet");
-        if counters.accepted == 0 && ended.is_none() {
-            let name = arguments.file.display();
-            return Err(
-                BadInput(format!("{name}: {refused} refused and none taken; the last: {error}")).into()
-            );
-        }
-        say!("{refused} refused, the last: {error}");
+    if let Some(lidar) = &lidar {
+        lidar.conclude(arguments, ended.is_some(), &player)?;
     }
-    if let Some(error) = odd_block {
-        say!("{} left out, the last: {error}", counted(counters.odd_blocks, "block"));
-    }
-    player.summary(&counters, started.elapsed());
-    player.recorded.finish()?;
+    player.conclude(&scanner)?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }
 
-impl Player {
-    fn new(model: Model, json: bool, recorded: Recorded) -> Self {
-        let angles = match model {
-            Model::HiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-            _ => RingAngles::vlp16(),
+/// A microScan3 sends in it.
+fn holds_a_scanner(arguments: &ReplayArguments) -> anyhow::Result<bool> {
+    let first = Capture::open(&arguments.file)?.flatten().take(LOOK_AHEAD);
+    Ok(first.into_iter().any(|datagram| is_scanner_datagram(&datagram.payload)))
+}
+
+impl Lidar {
+    fn new(model: Model) -> Self {
+        let cutter = match model {
+            Model::Vlp16 | Model::HiRes => {
+                Cutter::Sixteen(SweepBuilder::new(CUT_CDEG), Box::new(Sweep::<16>::EMPTY))
+            }
+            Model::Vlp32C | Model::Hdl32E => {
+                say!(
+                    "a {} has 32 rings; the robot's stages take 16 of them, spread over its view",
+                    model.name()
+                );
+                Cutter::Many(ManyRings::new(model))
+            }
         };
-        Self {
-            pipeline: Box::new(PeoplePipeline::new(angles)),
-            angles,
-            motion: Box::new(MotionDetector::new(MotionParameters::FIXED)),
-            context: SweepContext {
-                sensor_in_base: at_height(ASSUMED_HEIGHT_M),
-                twist: Twist2::ZERO,
-                base_in_odom: Pose2::default(),
-            },
-            floor_known: false,
-            json,
-            sweeps: 0,
-            most_people: 0,
-            identities: std::collections::BTreeSet::new(),
-            failed: Ok(()),
-            recorded,
-            closed: None,
+        let decoder = Decoder::new(ModelChoice::Fixed(model));
+        Self { decoder, cutter, refusal: None, odd_block: None }
+    }
+
+    /// Elevations of a model of 16 rings.
+    fn rings(&self) -> Option<RingAngles> {
+        let is_sixteen = matches!(self.cutter, Cutter::Sixteen(..));
+        is_sixteen.then(|| match self.decoder.model() {
+            Some(Model::HiRes) => RingAngles::even(-10.0, 4.0 / 3.0),
+            _ => RingAngles::vlp16(),
+        })
+    }
+
+    fn take(&mut self, datagram: &Datagram, player: &mut Player) {
+        let arrival = Stamp::from_micros(datagram.captured_us);
+        player.recorded.datagram(arrival, &datagram.payload);
+        let (packet, lost) = match self.decoder.decode(&datagram.payload, arrival) {
+            Ok(decoded) => decoded,
+            Err(error) => {
+                self.refusal = Some(error.to_string());
+                return;
+            }
+        };
+        player.closed_cdeg = self.decoder.closed_sector().map_or(0, |closed| closed.width_cdeg());
+        self.odd_block = self.decoder.odd_block().map(|error| error.to_string()).or(self.odd_block.take());
+        match &mut self.cutter {
+            Cutter::Sixteen(builder, building) => {
+                builder.add(&packet, lost, building, |sweep| player.sweep(sweep));
+            }
+            Cutter::Many(rings) => rings.add(&datagram.payload, packet.stamp, |sweep, angles| {
+                player.stages.set_rings(angles);
+                player.sweep(sweep);
+            }),
         }
     }
 
-    fn sweep(&mut self, sweep: &Sweep) {
-        if !self.floor_known
-            && sweep.column_count > WHOLE_COLUMNS
-            && let Some(height_m) = FloorHeight::estimate_m(sweep, &self.pipeline.angles)
-        {
-            self.context.sensor_in_base = at_height(height_m);
-            self.floor_known = true;
-            say!("the floor lies {height_m:.2} m below the lidar (estimated from the first whole sweep)");
+    fn finish(&mut self, player: &mut Player) {
+        match &mut self.cutter {
+            Cutter::Sixteen(_, building) if building.column_count > 0 => player.sweep(building),
+            Cutter::Sixteen(..) => {}
+            Cutter::Many(rings) => rings.finish(&mut |sweep, angles| {
+                player.stages.set_rings(angles);
+                player.sweep(sweep);
+            }),
         }
-        let output = find_moving_people(&mut self.pipeline, &mut self.motion, sweep, &self.context);
-        self.sweeps += 1;
-        let people = output.tracks.iter().filter(|track| track.is_taken_for_person());
-        self.most_people = self.most_people.max(people.clone().count());
-        self.identities.extend(people.map(|track| track.id));
-        let closed_cdeg = self.closed.map_or(0, |closed| closed.width_cdeg());
-        let row = SweepRow::of_output(sweep, &output).with_closed(sweep, closed_cdeg);
-        if self.json && self.failed.is_ok() {
-            self.failed = print(&row);
-        }
-        let SweepContext { sensor_in_base, twist, base_in_odom } = &self.context;
-        self.recorded.sweep((sweep, &self.angles), (sensor_in_base, (*base_in_odom, *twist)), row.people());
     }
 
-    fn summary(&self, counters: &Counters, took: Duration) {
-        if !self.floor_known {
-            say!(
-                "no sweep has shown the floor: the lidar is taken to be {ASSUMED_HEIGHT_M:.2} m above it, and what was found may be wrong"
-            );
+    fn conclude(&self, arguments: &ReplayArguments, was_cut: bool, player: &Player) -> anyhow::Result<()> {
+        let counters = self.decoder.counters();
+        if let Some(error) = &self.refusal {
+            let refused = counted(counters.refused, "packet");
+            if counters.accepted == 0 && !was_cut {
+                let name = arguments.file.display();
+                let what = format!("{name}: {refused} refused and none taken; the last: {error}");
+                return Err(BadInput(what).into());
+            }
+            say!("{refused} refused, the last: {error}");
         }
-        if let Some(closed) = &self.closed {
+        if let Some(error) = &self.odd_block {
+            say!("{} left out, the last: {error}", counted(counters.odd_blocks, "block"));
+        }
+        if let Some(closed) = self.decoder.closed_sector() {
             say!(
                 "the lidar is set to a field of view: {closed}; what lies in the closed sector stays unknown"
             );
         }
-        let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;
-        say!(
-            "{} from {} ({} refused, {} lost): {} in all, at most {} at once; {per_sweep_ms:.2} ms a sweep",
-            counted(self.sweeps, "sweep"),
-            counted(counters.accepted, "packet"),
-            counters.refused,
-            counters.lost,
-            counted(self.identities.len() as u64, "person"),
-            self.most_people,
-        );
+        player.standing.say_height();
+        let packets = counted(counters.accepted, "packet");
+        say!("{packets} of the lidar ({} refused, {} lost)", counters.refused, counters.lost);
+        Ok(())
     }
 }
 
-fn at_height(height_m: f32) -> Transform3 {
-    Transform3 { translation: Point3::new(0.0, 0.0, height_m), ..Transform3::IDENTITY }
+impl Player {
+    fn sweep(&mut self, sweep: &Sweep) {
+        self.standing.look(sweep, self.stages.rings());
+        let context = self.standing.context();
+        let row = self.stages.sweep(sweep, &context, "sensor").with_closed(sweep, self.closed_cdeg);
+        self.sweeps.frame(&row);
+        let motion = (context.base_in_odom, context.twist);
+        let rings = *self.stages.rings();
+        self.recorded.sweep((sweep, &rings), (&context.sensor_in_base, motion), row.everybody());
+        self.print(&row);
+    }
+
+    fn scanner(&mut self, scanner: &mut microscan3::Receiver, datagram: &Datagram) {
+        scanner.push(&datagram.payload, Stamp::from_micros(datagram.captured_us), |event| {
+            if let microscan3::Event::Scan(scan) = event {
+                let row = self.stages.scan("microScan3", scan, (Pose2::default(), None));
+                self.scans.frame(&row);
+                self.recorded.scan(scan, Pose2::default(), row.everybody());
+                self.print(&row);
+            }
+        });
+    }
+
+    fn print(&mut self, row: &FrameRow) {
+        if self.json && self.failed.is_ok() {
+            self.failed = print(row);
+        }
+    }
+
+    fn conclude(self, scanner: &microscan3::Receiver) -> anyhow::Result<()> {
+        let counters = scanner.counters();
+        if counters.assembly.datagrams > 0 {
+            let messages = counted(u64::from(counters.assembly.messages), "message");
+            let refused = counters.assembly.refused;
+            say!("{messages} of a microScan3 ({refused} datagrams refused)");
+        }
+        for (summary, what) in [(&self.sweeps, "sweep"), (&self.scans, "scan")] {
+            if summary.frames > 0 {
+                say!("{}", summary.line(what));
+            }
+            summary.say_standing(what);
+        }
+        self.stages.say_times();
+        self.recorded.finish()
+    }
 }
 
 /// Waits so that packets come as they were recorded.

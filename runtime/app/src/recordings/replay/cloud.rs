@@ -34,12 +34,26 @@ pub enum CloudError {
     Sizes,
 }
 
-/// A point: where, and of which ring if the cloud says so.
+/// A point: where in the sensor's frame, and of which ring if the cloud says so.
 #[derive(Clone, Copy, Debug)]
-struct Point {
-    position_m: [f32; 3],
-    ring: Option<u16>,
-    reflectivity: u8,
+pub struct Point {
+    /// Metres.
+    pub position_m: [f32; 3],
+    /// Its ring.
+    pub ring: Option<u16>,
+    /// Reflectivity of the return.
+    pub reflectivity: u8,
+}
+
+/// Where a point belongs in a sweep.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Column.
+    pub column: usize,
+    /// Ring, 0 lowest.
+    pub ring: usize,
+    /// Range in counts.
+    pub raw: u16,
 }
 
 /// Makes sweeps of clouds; remembers the elevations of the rings.
@@ -68,16 +82,20 @@ impl CloudSorter {
     /// # Errors
     /// The cloud cannot be read.
     pub fn sweep(&mut self, cloud: &Cloud<'_>, sweep: &mut Sweep) -> Result<(), CloudError> {
-        let points = points(cloud)?;
+        self.sweep_of(&points(cloud)?, (cloud.header.stamp, REVOLUTION_US), sweep);
+        Ok(())
+    }
+
+    /// Points of a revolution that began at that moment and took so many microseconds, as a sweep.
+    pub fn sweep_of(&mut self, points: &[Point], (stamp, took_us): (Stamp, u32), sweep: &mut Sweep) {
         if self.elevations_rad.is_none() {
-            self.elevations_rad = rings(&points);
+            self.elevations_rad = rings(points);
         }
-        begin(sweep, cloud.header.stamp);
-        for point in &points {
+        begin(sweep, (stamp, took_us));
+        for point in points {
             self.place(point, sweep);
         }
         mark_measured(sweep);
-        Ok(())
     }
 
     fn ring_of(&self, point: &Point, elevation_rad: f32) -> Option<usize> {
@@ -91,24 +109,29 @@ impl CloudSorter {
         }
     }
 
-    fn place(&self, point: &Point, sweep: &mut Sweep) {
+    /// Column, ring and counts of a point in a sweep; `None` where the sweep has no place for it.
+    pub fn cell(&self, point: &Point) -> Option<Cell> {
         let [x, y, z] = point.position_m;
         let level_m = libm::hypotf(x, y);
         let counts = libm::hypotf(level_m, z) * 1_000.0 / UNIT_MM;
         if !(1.0..=f32::from(u16::MAX)).contains(&counts) {
-            return;
+            return None;
         }
-        let Some(ring) = self.ring_of(point, libm::atan2f(z, level_m)) else { return };
+        let ring = self.ring_of(point, libm::atan2f(z, level_m))?;
         // Clockwise from straight ahead; columns begin behind the robot.
         let azimuth_deg = -libm::atan2f(y, x).to_degrees();
         let column = ((azimuth_deg + 180.0) * 100.0 / f32::from(COLUMN_CDEG)).round() as usize % COLUMNS;
+        Some(Cell { column, ring, raw: counts as u16 })
+    }
+
+    fn place(&self, point: &Point, sweep: &mut Sweep) {
+        let Some(Cell { column, ring, raw }) = self.cell(point) else { return };
         let Some(column) = sweep.columns.get_mut(column) else { return };
         let (Some(cell), Some(reflectivity)) =
             (column.range_raw.get_mut(ring), column.reflectivity.get_mut(ring))
         else {
             return;
         };
-        let raw = counts as u16;
         if *cell == 0 || raw < *cell {
             (*cell, *reflectivity) = (raw, point.reflectivity);
         }
@@ -116,14 +139,13 @@ impl CloudSorter {
     }
 }
 
-fn begin(sweep: &mut Sweep, stamp: Stamp) {
-    let start_us = stamp.as_micros();
-    (sweep.stamp, sweep.end_stamp) = (stamp, Stamp::from_micros(start_us + u64::from(REVOLUTION_US)));
+fn begin(sweep: &mut Sweep, (stamp, took_us): (Stamp, u32)) {
+    (sweep.stamp, sweep.end_stamp) = (stamp, stamp.plus_micros(u64::from(took_us)));
     (sweep.range_unit_mm, sweep.column_count) = (UNIT_MM as u8, COLUMNS);
     (sweep.packets, sweep.lost_packets, sweep.dropped_columns) = (0, 0, 0);
     for (index, column) in sweep.columns.iter_mut().enumerate() {
         let azimuth_cdeg = (18_000 + index as u32 * u32::from(COLUMN_CDEG)) % 36_000;
-        let offset_us = REVOLUTION_US / COLUMNS as u32 * index as u32;
+        let offset_us = took_us / COLUMNS as u32 * index as u32;
         *column = SweepColumn { azimuth_cdeg: azimuth_cdeg as u16, offset_us, ..SweepColumn::UNKNOWN };
     }
 }
@@ -168,7 +190,11 @@ fn rings(points: &[Point]) -> Option<Vec<(u16, f32)>> {
     (count > 1).then_some(rings)
 }
 
-fn points(cloud: &Cloud<'_>) -> Result<Vec<Point>, CloudError> {
+/// The points of a cloud that have a place.
+///
+/// # Errors
+/// The cloud cannot be read.
+pub fn points(cloud: &Cloud<'_>) -> Result<Vec<Point>, CloudError> {
     let field = |name: &str| cloud.fields.iter().find(|field| field.name == name);
     let floating = |name: &str| field(name).filter(|field| matches!(field.datatype, 7 | 8));
     let (Some(x), Some(y), Some(z)) = (floating("x"), floating("y"), floating("z")) else {

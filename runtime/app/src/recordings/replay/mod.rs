@@ -7,13 +7,18 @@ mod capture;
 mod carmen;
 mod cloud;
 mod floor_below;
+mod many_rings;
 mod own;
 mod recorded;
 mod rows;
+mod scan_odometry;
 mod scanner_line;
 mod scans;
+mod stages;
+mod standing_lidar;
 mod summary;
 
+pub(crate) use cloud::{Cell, CloudSorter, Point, points};
 
 use std::fs::File;
 use std::io::BufReader;

@@ -9,7 +9,7 @@ use floorguard_types::time::Stamp;
 
 use super::super::arguments::ReplayArguments;
 use super::super::findings::say_findings;
-use super::rows::{SweepRow, print};
+use super::rows::{FrameRow, print};
 use floorguard_host::outcome::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
@@ -38,7 +38,7 @@ impl ReplayAudience for Printer {
         self.identities
             .extend(report.people.iter().filter(|track| describe::is_person(track)).map(|it| it.id));
         if self.json && self.failed.is_ok() {
-            self.failed = print(&SweepRow::of_report(report, digest));
+            self.failed = print(&FrameRow::of_report(report, digest));
         }
     }
 

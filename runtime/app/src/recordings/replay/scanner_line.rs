@@ -1,4 +1,4 @@
-//! The recorded bytes of an S300's line: legs and people in its scans, in the scanner's frame.
+//! The recorded bytes of an S300's line through the robot's stages, in the scanner's frame.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -10,7 +10,7 @@ use floorguard_types::time::Stamp;
 
 use super::recorded::Recorded;
 use super::rows::print;
-use super::scans::ScanPlayer;
+use super::stages::RobotStages;
 use super::summary::Summary;
 use crate::recordings::arguments::ReplayArguments;
 use floorguard_host::outcome::BadInput;
@@ -33,7 +33,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         .map_err(bad)?;
     let mut receiver = Box::new(Receiver::new(Configuration::default()));
     let mut recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
-    let (mut player, mut summary) = (ScanPlayer::new(), Summary::new());
+    let (mut stages, mut summary) = (RobotStages::new()?, Summary::new());
     let (mut refusal, mut printed, mut first) = (None, Ok(()), None);
     for (piece, arrival_us) in bytes.chunks(64).zip((1_000_000..).step_by(PIECE_US as usize)) {
         receiver.push(piece, Stamp::from_micros(arrival_us), |event| match event {
@@ -42,9 +42,8 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 let mut scan = scan.clone();
                 scan.stamp =
                     Stamp::from_micros(number.saturating_sub(*first.get_or_insert(number)) * SCAN_US);
-                let row = player.scan(&scan, (Pose2::default(), "sensor"));
-                summary.legs += row.legs() as u64;
-                summary.people(row.people());
+                let row = stages.scan("S300", &scan, (Pose2::default(), None));
+                summary.frame(&row);
                 recorded.scan(&scan, Pose2::default(), row.everybody());
                 if arguments.json && printed.is_ok() {
                     printed = print(&row);
@@ -61,5 +60,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     }
     say!("{} telegrams, {} scans missing", counters.telegrams, counters.lost_scans);
     say!("{}", summary.line("scan"));
+    summary.say_standing("scan");
+    stages.say_times();
     recorded.finish()
 }

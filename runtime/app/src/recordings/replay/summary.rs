@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
+use super::rows::FrameRow;
 use floorguard_host::words::counted;
 
 /// Counts while a file is played.
@@ -11,6 +12,8 @@ pub struct Summary {
     pub frames: u64,
     /// Legs so far.
     pub legs: u64,
+    /// Not later than the one before.
+    standing: u64,
     identities: BTreeSet<u32>,
     most: usize,
     started: Instant,
@@ -19,19 +22,37 @@ pub struct Summary {
 impl Summary {
     /// Nothing yet.
     pub fn new() -> Self {
-        Self { frames: 0, legs: 0, identities: BTreeSet::new(), most: 0, started: Instant::now() }
+        Self {
+            frames: 0,
+            legs: 0,
+            standing: 0,
+            identities: BTreeSet::new(),
+            most: 0,
+            started: Instant::now(),
+        }
     }
 
-    /// The people of one frame.
-    pub fn people(&mut self, ids: impl Iterator<Item = u32>) {
-        let before = self.frames;
-        let mut now = 0;
-        for id in ids {
-            self.identities.insert(id);
-            now += 1;
+    /// A sweep or scan, and the people in it.
+    pub fn frame(&mut self, row: &FrameRow) {
+        self.frames += 1;
+        self.legs += row.legs() as u64;
+        self.standing += u64::from(!row.is_newer());
+        self.most = self.most.max(row.people().count());
+        self.identities.extend(row.people());
+    }
+
+    /// Says it where times do not grow.
+    pub fn say_standing(&self, what: &str) {
+        let Self { standing, frames, .. } = *self;
+        if standing > 0 && standing + 1 == frames {
+            say!(
+                "all {frames} {what}s bear one time: speeds, who stands and who walks cannot be known from this recording"
+            );
+        } else if standing > 0 {
+            say!(
+                "{standing} of {frames} {what}s are not later than the one before them, and were not used for tracking"
+            );
         }
-        self.frames = before + 1;
-        self.most = self.most.max(now);
     }
 
     /// In words; `what` is one of them.

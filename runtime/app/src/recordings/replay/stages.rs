@@ -1,0 +1,217 @@
+//! The robot's own stages for whatever is replayed: one memory of perception, one list of people for all sensors.
+//!
+//! What a recording does not hold is missing as it would be on the robot: without a lidar legs are followed alone,
+//! without a scanner there are no legs, without odometry places are in the frame of the sensor.
+
+use std::collections::BTreeMap;
+
+use floorguard_configuration::{EXAMPLE, parse};
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::people::{RingAngles, SweepContext, hangs, turn_over, turned_over_mounting};
+use floorguard_robot::assembly::{HostedPerception, Stages, new_perception};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::tasks::{JudgeMotion as _, SEARCHED_STEP_RAD, follow_legs};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
+
+use super::rows::{FrameRow, ScanCounts};
+use super::scan_odometry::{Place, ScanOdometry};
+use super::scans::hits;
+
+/// A sensor's time that falls back by more than this was set anew, microseconds: everything begins again.
+const SET_BACK_US: u64 = 1_000_000;
+/// The lidar among the sources; a scanner has the name of its topic.
+const LIDAR: &str = "the lidar";
+
+/// The robot's perception, fed from a recording.
+pub struct RobotStages {
+    robot: RobotConfiguration,
+    perception: Box<HostedPerception>,
+    /// Of the lidar as it is built.
+    rings: RingAngles,
+    /// Legs of each scanner.
+    scanners: BTreeMap<String, Box<PeopleByLegs>>,
+    /// Where each scanner stands that comes without a pose.
+    odometry: BTreeMap<String, ScanOdometry>,
+    /// Time of the newest sweep or scan of each source.
+    newest: BTreeMap<String, Stamp>,
+    searched: Box<Scan>,
+    restarts: u64,
+    late: u64,
+}
+
+impl RobotStages {
+    /// Nothing seen yet; the stages are those of the example robot.
+    ///
+    /// # Errors
+    /// The example is refused, which a test of its own excludes.
+    pub fn new() -> anyhow::Result<Self> {
+        let robot = parse("robot.toml", EXAMPLE)?.robot;
+        Ok(Self {
+            perception: new_perception(&robot, Stages::All),
+            rings: RingAngles::vlp16(),
+            robot,
+            scanners: BTreeMap::new(),
+            odometry: BTreeMap::new(),
+            newest: BTreeMap::new(),
+            searched: Box::new(Scan::EMPTY),
+            restarts: 0,
+            late: 0,
+        })
+    }
+
+    /// The lidar has these rings.
+    pub fn set_rings(&mut self, angles: RingAngles) {
+        self.rings = angles;
+    }
+
+    /// The lidar's rings.
+    pub const fn rings(&self) -> &RingAngles {
+        &self.rings
+    }
+
+    /// A sweep of the lidar; `frame` is that of the robot's place in the context.
+    pub fn sweep(&mut self, sweep: &Sweep, context: &SweepContext, frame: &'static str) -> FrameRow {
+        if !self.is_newer(LIDAR, sweep.end_stamp) {
+            return FrameRow::frozen((sweep.end_stamp, "lidar"), (frame, returns(sweep)));
+        }
+        let HostedPerception { people, motion, building, .. } = &mut *self.perception;
+        let before = people.tracker().late;
+        // As on the robot: a lidar that hangs upside down is turned over first.
+        let is_hanging = hangs(&context.sensor_in_base);
+        people.angles = if is_hanging { self.rings.turned_over() } else { self.rings };
+        let row = if is_hanging {
+            building.clone_from(sweep);
+            turn_over(building);
+            let sensor_in_base = turned_over_mounting(&context.sensor_in_base);
+            let output = motion.people(people, building, &SweepContext { sensor_in_base, ..*context });
+            FrameRow::of_sweep(building, &output, frame)
+        } else {
+            FrameRow::of_sweep(sweep, &motion.people(people, sweep, context), frame)
+        };
+        self.late += u64::from(self.perception.people.tracker().late - before);
+        row
+    }
+
+    /// A scan of the scanner of that name, and where it stood on the robot and in the odometry. Without odometry the scans
+    /// themselves tell how the scanner moves, and places come out in its own frame.
+    pub fn scan(
+        &mut self,
+        name: &str,
+        scan: &Scan,
+        (mounting, odometry): (Pose2, Option<Pose2>),
+    ) -> FrameRow {
+        let points = hits(scan);
+        let frame = if odometry.is_some() { "odom" } else { "sensor" };
+        if !self.is_newer(name, scan.stamp) {
+            return FrameRow::frozen((scan.stamp, "scanner"), (frame, points));
+        }
+        // With a lidar of unknown motion there is one frame for both: that of the robot.
+        let is_alone = odometry.is_none() && !self.newest.contains_key(LIDAR);
+        let (place, stands) = match odometry {
+            Some(base) => (base.compose(mounting), true),
+            None if is_alone => self.matched(name, scan),
+            None => (mounting, true),
+        };
+        // As on the robot: beams no denser than those the legs were learned from.
+        self.searched.copy_thinned(scan, SEARCHED_STEP_RAD);
+        let legs = self.scanners.entry(name.to_owned()).or_default();
+        let people = &mut self.perception.people;
+        let (late, dropped) = (people.tracker().late, legs.dropped_legs);
+        follow_legs(people, legs, (&self.searched, place));
+        self.late += u64::from(people.tracker().late - late);
+        let counts =
+            ScanCounts { points, segments: legs.segments, dropped_legs: legs.dropped_legs - dropped };
+        let row = FrameRow::of_scan((scan.stamp, frame), counts, legs.legs(), people.tracks());
+        match (is_alone, stands) {
+            (false, _) => row,
+            (true, true) => row.seen_from(mounting.compose(place.inverse())),
+            (true, false) => row.in_moving_frame(),
+        }
+    }
+
+    /// Where a scanner without odometry stands, by its scans, and whether its frame stands. In a new frame everybody is
+    /// followed anew.
+    fn matched(&mut self, name: &str, scan: &Scan) -> (Pose2, bool) {
+        let odometry = self.odometry.entry(name.to_owned()).or_insert_with(ScanOdometry::new);
+        match odometry.place(scan) {
+            Place::Known(pose) => (pose, true),
+            Place::Begins => {
+                self.clear();
+                (Pose2::default(), true)
+            }
+            Place::Unknown => (Pose2::default(), false),
+        }
+    }
+
+    /// Notes the time of a source; false if it is not later than the one before. A clock that was set back begins anew.
+    fn is_newer(&mut self, source: &str, stamp: Stamp) -> bool {
+        let newest = self.newest.get(source).copied();
+        if newest.is_some_and(|newest| stamp.past_us(newest) > SET_BACK_US) {
+            self.begin_again();
+        }
+        let is_newer = self.newest.get(source).is_none_or(|newest| stamp > *newest);
+        if is_newer {
+            self.newest.insert(source.to_owned(), stamp);
+        }
+        is_newer
+    }
+
+    fn begin_again(&mut self) {
+        self.clear();
+        self.odometry.clear();
+        self.newest.clear();
+        self.restarts += 1;
+    }
+
+    /// Forgets everybody.
+    fn clear(&mut self) {
+        self.perception = new_perception(&self.robot, Stages::All);
+        self.scanners.clear();
+    }
+
+    /// Says what the times of the recording did to the stages.
+    pub fn say_times(&self) {
+        if self.restarts > 0 {
+            say!("the clock was set back {} times: everybody was followed anew from there", self.restarts);
+        }
+        if self.late > 0 {
+            say!(
+                "{} sweeps or scans were not used for tracking: they are more than 0.2 s older than those of another sensor",
+                self.late
+            );
+        }
+    }
+}
+
+fn returns(sweep: &Sweep) -> u32 {
+    let columns = sweep.used_columns().iter();
+    columns.flat_map(|column| column.range_raw).filter(|raw| *raw > 0).count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_types::sensing::BeamReturn;
+
+    fn scan(at_us: u64) -> Scan {
+        let mut scan = Scan { stamp: Stamp::from_micros(at_us), step_rad: 0.01, ..Scan::default() };
+        scan.beams.extend((0..100).map(|_| BeamReturn::Hit(4_000)));
+        scan
+    }
+
+    /// A time that stands still is frozen; one that was set back by an hour begins anew and is healthy.
+    #[test]
+    fn times_of_each_source_are_judged() {
+        let mut stages = RobotStages::new().expect("the example robot");
+        let mut newer = |name: &str, at_us: u64| {
+            let row = stages.scan(name, &scan(at_us), (Pose2::default(), None));
+            row.is_newer()
+        };
+        let hour_us = 3_600_000_000;
+        assert!(newer("front", hour_us) && !newer("front", hour_us) && !newer("front", hour_us - 500_000));
+        assert!(newer("rear", hour_us) && newer("front", 0));
+        assert_eq!(stages.restarts, 1);
+    }
+}
