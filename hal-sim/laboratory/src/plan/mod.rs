@@ -4,6 +4,7 @@ mod mission_plan;
 mod outside;
 mod run_plan;
 
+pub(crate) use mission_plan::survey;
 pub use mission_plan::{navigation_of_scenario, plan_of_scenario};
 pub use outside::{HeardAt, OutsideProgram, SentFrame, Stretch};
 pub use run_plan::{Plan, PlanError};

@@ -5,9 +5,10 @@ use floorguard_navigation::costmap::{
     Beam, CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, ObstacleLayer,
     ObstacleLimits, PeopleCost, compose,
 };
-use floorguard_types::geometry::Point2;
-use floorguard_types::motion::MovingPerson;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{Footprint, MovingPerson};
 
+use super::plan::NavigationPlan;
 use crate::site::ros_map::OccupancyMap;
 
 /// Cells of the global costmap; larger maps are planned on coarser cells.
@@ -18,6 +19,8 @@ const CELL_MAX_M: f32 = 0.15;
 const HALF_WINDOW_M: f32 = 4.0;
 /// Where rays end nearer than this they mark; and so far they clear, metres.
 const LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 6.0, clear_m: 8.0 };
+/// The same where a map is made: what is far is all that is known.
+const EXPLORED_LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 15.0, clear_m: 15.0 };
 /// What the robot forgets around itself when it clears the costmap, metres.
 const FORGET_M: f32 = 6.0;
 /// Hills of cost at places where the robot did not get through.
@@ -84,6 +87,7 @@ pub(super) struct Maps {
     inflation: Inflation,
     stuck: Vec<MovingPerson>,
     is_blind: bool,
+    explores: bool,
 }
 
 impl Maps {
@@ -94,8 +98,9 @@ impl Maps {
     pub(super) fn new(
         map: &OccupancyMap,
         inflation: &InflationConfig,
-        is_blind: bool,
+        plan: &NavigationPlan,
     ) -> anyhow::Result<Self> {
+        let (is_blind, explores) = (plan.settings.is_blind, plan.explores);
         let geometry = raster_of(map.geometry())?;
         let cell_m = geometry.resolution_m();
         let mut global = Costmap::new(geometry);
@@ -107,6 +112,9 @@ impl Maps {
         }
         let unknown = global.fixed.iter_mut().filter(|state| **state == Occupancy::Unknown);
         unknown.for_each(|state| *state = Occupancy::Occupied);
+        if explores {
+            global.fixed.fill(Occupancy::Unknown);
+        }
         if is_blind {
             global.fixed.fill(Occupancy::Free);
         }
@@ -125,6 +133,7 @@ impl Maps {
             inflation: Inflation::new(inflation, cell_m)?,
             stuck: Vec::new(),
             is_blind,
+            explores,
         })
     }
 
@@ -136,7 +145,35 @@ impl Maps {
     /// A scan from a sensor in the map frame.
     pub(super) fn see(&mut self, sensor_in_map: Point2, beams: &[Beam]) {
         if !self.is_blind {
-            self.observed.observe(sensor_in_map, LIMITS, beams.iter().copied());
+            let limits = if self.explores { EXPLORED_LIMITS } else { LIMITS };
+            self.observed.observe(sensor_in_map, limits, beams.iter().copied());
+        }
+    }
+
+    /// Forgets all that was seen, and sees these scans instead: the map was corrected.
+    pub(super) fn redraw(&mut self, scans: &[(Point2, Vec<Beam>)]) {
+        let geometry = self.global.geometry;
+        self.observed.forget_within(geometry.origin_in_map(), f32::INFINITY);
+        scans.iter().for_each(|(sensor, beams)| self.see(*sensor, beams));
+    }
+
+    /// Where the robot stands nothing else does: unknown floor under its outline is free. Only where a map is made.
+    pub(super) fn stand_on(&mut self, outline: &Footprint, pose_in_map: Pose2) {
+        if self.explores {
+            let corners = outline.corners_in_base();
+            let (mut low, mut high) = (Point2::default(), Point2::default());
+            for corner in corners {
+                low = Point2::new(low.x_m.min(corner.x_m), low.y_m.min(corner.y_m));
+                high = Point2::new(high.x_m.max(corner.x_m), high.y_m.max(corner.y_m));
+            }
+            let step_m = 0.5 * self.global.geometry.resolution_m();
+            let steps = |from_m: f32, to_m: f32| ((to_m - from_m) / step_m).ceil() as u32;
+            for along in 0..=steps(low.x_m, high.x_m) {
+                for across in 0..=steps(low.y_m, high.y_m) {
+                    let place = Point2::new(low.x_m + along as f32 * step_m, low.y_m + across as f32 * step_m);
+                    self.observed.suppose_free(pose_in_map.transform(place));
+                }
+            }
         }
     }
 
@@ -188,7 +225,8 @@ impl Maps {
             let of = |layer: &[Occupancy], outside| {
                 source.and_then(|at| layer.get(at).copied()).unwrap_or(outside)
             };
-            self.window.fixed[cell] = of(&self.global.fixed, Occupancy::Occupied);
+            let outside = if self.explores { Occupancy::Unknown } else { Occupancy::Occupied };
+            self.window.fixed[cell] = of(&self.global.fixed, outside);
             self.window.observed[cell] = of(observed, Occupancy::Unknown);
         }
         let shape = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };

@@ -56,7 +56,7 @@ impl Navigator {
         let is_asked = !is_standing(self.requested);
         match (self.phase, self.step) {
             _ if moment.is_paused => Some(StandingReason::Paused),
-            (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
+            (phase, _) if phase.has_ended() => Some(StandingReason::Ended),
             (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
                 Some(StandingReason::Recovery(step))
             }
