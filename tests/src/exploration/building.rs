@@ -45,7 +45,7 @@ pub struct Building {
     /// The middle of the roomiest place.
     pub start: Point2,
     /// Floor that the robot's middle can get to, by cell.
-    reachable: Vec<bool>,
+    pub(super) reachable: Vec<bool>,
 }
 
 /// What is known, with the costs of it.

@@ -31,7 +31,15 @@ impl Distances for Matrix {
 /// A place that cannot be reached, or too many.
 pub fn best_tour_m(building: &Building, view_points: &[Point2]) -> anyhow::Result<f64> {
     let geometry = building.geometry;
-    let mut cells: Vec<usize> = view_points.iter().filter_map(|place| geometry.cell_at(*place)).collect();
+    let costs = building.costs()?;
+    let is_floor = |cell: usize| costs[cell] < Costs::INSCRIBED;
+    // Where the robot stood before it saw the wall beside it, it may have been too near: one step aside.
+    let off_m = |cell: usize, place: &Point2| geometry.centre(cell).distance(*place);
+    let floor = |place: &Point2| {
+        let cells = (0..costs.len()).filter(|&cell| building.reachable[cell]);
+        cells.min_by(|&a, &b| off_m(a, place).total_cmp(&off_m(b, place)))
+    };
+    let mut cells: Vec<usize> = view_points.iter().filter_map(floor).collect();
     let first = cells.first().copied();
     cells.sort_unstable();
     cells.dedup();
@@ -40,11 +48,10 @@ pub fn best_tour_m(building: &Building, view_points: &[Point2]) -> anyhow::Resul
     if cells.len() < 2 {
         return Ok(0.0);
     }
-    let costs = building.costs()?;
     let mut search = PathSearch::new(geometry, vec![SearchCell::EMPTY; geometry.cell_count()]);
     let mut units = Vec::with_capacity(cells.len() * cells.len());
     for &from in &cells {
-        search.run(from, |cell| costs[cell] < Costs::INSCRIBED);
+        search.run(from, is_floor);
         for &to in &cells {
             let distance = search.distance(to);
             let distance = distance.ok_or_else(|| anyhow::anyhow!("a view point cannot be reached"))?;

@@ -7,7 +7,7 @@ use floorguard_guard::Decision;
 use floorguard_navigation::global::{PlanFailure, PlanState, check_plan};
 use floorguard_navigation::local::{LocalCommand, LocalVerdict};
 use floorguard_navigation::recovery::{
-    Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, RecoveryTimes, Trail,
+    Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, Trail,
 };
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
@@ -20,7 +20,7 @@ use super::exploring::Exploring;
 use super::goal_search::GoalSearch;
 use super::guard_model::{GuardModel, place_of};
 use super::maps::Maps;
-use super::model::{Model, PERIOD_S};
+use super::model::{Model, PERIOD_S, times_of};
 use super::plan::{Journey, NavigationPlan};
 use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
 use super::reasons::StandingReason;
@@ -94,10 +94,10 @@ impl Navigator {
         let NavigationSetup { plan, watch, survey } = setup;
         let map = plan.occupancy()?;
         let model = Model::of(robot, &plan.settings, map.geometry().resolution_m().max(0.05))?;
-        let maps = Maps::new(&map, &model.inflation, plan)?;
+        let mut maps = Maps::new(&map, &model.inflation, plan)?;
+        maps.start_at(place_of(plan.start_pose()), model.outline.circumscribed_radius_m());
         let search = GoalSearch::new(maps.geometry(), &model)?;
         let steering = Steering::new(&model, &plan.settings, (maps.window_cells(), plan.seed));
-        let times = RecoveryTimes { help_s: plan.settings.help_after_s, ..RecoveryTimes::DEFAULT };
         Ok(Self {
             senses: Senses::new(plan, robot, (model.outline.inscribed_radius_m(), survey.as_ref()))?,
             exploring: plan.explores.then(|| Exploring::new(maps.geometry())).transpose()?,
@@ -108,7 +108,7 @@ impl Navigator {
             search,
             course: Course::default(),
             steering,
-            recovery: Recovery::new(times),
+            recovery: Recovery::new(times_of(&plan.settings)),
             trail: Trail::default(),
             back: Vec::new(),
             phase: NavigationPhase::Starting,
@@ -294,7 +294,7 @@ impl Navigator {
         }
         match step.measure {
             Measure::ClearCostmap => {
-                self.maps.forget_around(place_of(pose));
+                self.forget_around(place_of(pose));
                 (self.next_refresh_s, self.next_plan_s) = (now_s + 0.3, now_s + 0.3);
                 self.course = Course::default();
             }

@@ -8,10 +8,13 @@ use floorguard_navigation::explore::{
     find_frontiers,
 };
 use floorguard_navigation::global::PlanFailure;
+use floorguard_navigation::recovery::Recovery;
 use floorguard_types::geometry::{Point2, Pose2};
 
+use super::course::Course;
 use super::drive::{Navigator, is_standing};
 use super::guard_model::place_of;
+use super::model::times_of;
 use super::progress::{ExplorationProgress, NavigationPhase};
 
 /// A goal is chosen anew this often, seconds.
@@ -23,7 +26,7 @@ const SIGHT_M: f32 = 6.0;
 /// Ways between view points are searched on cells of this edge, metres.
 const RASTER_M: f32 = 0.2;
 /// Arrived for so long with the frontier still there, the robot gives it up, seconds.
-const LOOKS_S: f32 = 3.0;
+const LOOKS_S: f32 = 1.5;
 /// A goal that moved by less is the same, metres.
 const SAME_M: f32 = 0.5;
 /// What was given up is tried once more so often, at the end.
@@ -72,6 +75,11 @@ impl Exploring {
     /// The planner found no path to the goal.
     pub(super) const fn note_failure(&mut self, failure: PlanFailure) {
         self.failure = Some(failure);
+    }
+
+    /// The robot stands where a frontier is in sight.
+    pub(super) const fn looks(&self) -> bool {
+        self.arrived_s.is_some()
     }
 
     /// In one sentence, at the end.
@@ -137,6 +145,15 @@ impl Navigator {
         }
     }
 
+    /// What was seen may be there no longer. On a known map it is forgotten around the robot; a map that is made is drawn again
+    /// from the scans that were kept, in which there are no people.
+    pub(super) fn forget_around(&mut self, place_in_map: Point2) {
+        match self.senses.redrawn() {
+            Some(scans) => self.maps.redraw(&scans),
+            None => self.maps.forget_around(place_in_map),
+        }
+    }
+
     /// The goal is a view point, headed for what is looked at.
     fn go_and_look(&mut self, point: &ViewPoint, now_s: f32) {
         let (at, seen) = (point.place_in_map, point.frontier.centroid_in_map);
@@ -147,7 +164,9 @@ impl Navigator {
         let heading_rad = libm::atan2f(seen.y_m - at.y_m, seen.x_m - at.x_m);
         self.plan.goal = [at.x_m, at.y_m, heading_rad];
         self.next_plan_s = now_s;
-        self.course = super::course::Course::default();
+        self.course = Course::default();
+        // What obstructed the way to another goal is no reason to call for help on this one.
+        self.recovery = Recovery::new(times_of(&self.plan.settings));
         if let Some(exploring) = &mut self.exploring {
             exploring.progress.goals += 1;
             exploring.arrived_s = None;

@@ -3,6 +3,7 @@
 use floorguard_navigation::costmap::InflationConfig;
 use floorguard_navigation::global::Pace;
 use floorguard_navigation::local::{Arrival, DwaConfig, MppiConfig, MppiWeights};
+use floorguard_navigation::recovery::RecoveryTimes;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::{DriveGeometry, DriveKinematics, Footprint};
@@ -34,6 +35,11 @@ const REACHED: f32 = 0.8;
 pub(super) const PERIOD_S: f32 = 0.1;
 /// Radius of a person, metres.
 pub(super) const PERSON_RADIUS_M: f32 = 0.3;
+
+/// How long each measure of recovery may take.
+pub(super) fn times_of(settings: &NavigationSettings) -> RecoveryTimes {
+    RecoveryTimes { help_s: settings.help_after_s, ..RecoveryTimes::DEFAULT }
+}
 
 /// What planners know of the robot.
 #[derive(Clone, Debug)]
@@ -113,19 +119,26 @@ impl Model {
     }
 
     /// Parameters of ours.
-    pub(super) const fn mppi(&self) -> MppiConfig {
+    pub(super) fn mppi(&self) -> MppiConfig {
         MppiConfig {
             drive: self.drive,
             step_s: 0.1,
             period_s: PERIOD_S,
-            speed_noise_mps: 0.25,
+            speed_noise_mps: tuned("FG_NOISE", 0.25),
             turn_noise_radps: 0.3,
-            temperature_s: TEMPERATURE_S,
+            temperature_s: tuned("FG_TEMP", TEMPERATURE_S),
             clear_cost: self.clear_cost,
-            people_acceleration_mps2: PEOPLE_ACCELERATION_MPS2,
+            people_acceleration_mps2: tuned("FG_ACC", PEOPLE_ACCELERATION_MPS2),
             person_radius_m: PERSON_RADIUS_M,
             arrival: self.arrival,
-            weights: MppiWeights { turn_change: TURN_CHANGE, person: NEAR_PERSON, ..MppiWeights::DEFAULT },
+            weights: MppiWeights {
+                turn_change: TURN_CHANGE,
+                person: tuned("FG_PERSON", NEAR_PERSON),
+                held: tuned("FG_HELD", 1.0),
+                collision: tuned("FG_COLL", 40.0),
+                off_path: tuned("FG_OFF", 0.8),
+                ..MppiWeights::DEFAULT
+            },
         }
     }
 
@@ -147,4 +160,8 @@ impl Model {
             ..DwaConfig::PUBLISHED
         }
     }
+}
+
+pub(super) fn tuned(name: &str, value: f32) -> f32 {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(value)
 }

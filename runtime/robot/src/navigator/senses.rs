@@ -166,6 +166,14 @@ impl Senses {
         }
     }
 
+    /// All kept scans, where a map is made.
+    pub(super) fn redrawn(&self) -> Option<Vec<(Point2, Vec<Beam>)>> {
+        match &self.place {
+            Place::Known(_) => None,
+            Place::Surveyed(survey) => Some(locked(survey).redrawn()),
+        }
+    }
+
     /// The beams in the scanner's frame. Who walks is passed through.
     fn beams(&self, scan: &Scan, (odometry, now_s): (Pose2, f32)) -> Vec<Beam> {
         let scanner = odometry.compose(self.scanner_in_base);

@@ -129,16 +129,18 @@ impl Survey {
     /// the last call.
     pub(super) fn take_redrawn(&mut self) -> Option<Vec<(Point2, Vec<Beam>)>> {
         let before = std::mem::replace(&mut self.revision, self.mapper.map_revision);
-        if before == self.revision {
-            return None;
-        }
+        (before != self.revision).then(|| self.redrawn())
+    }
+
+    /// All kept scans, where they belong now.
+    pub(super) fn redrawn(&self) -> Vec<(Point2, Vec<Beam>)> {
         let start = Se2::from(self.start_in_map);
         let scans = self.beams.iter().zip(&self.mapper.poses).map(|(beams, pose)| {
             let scanner = start.compose(*pose).single();
             let beams = beams.iter().map(|beam| in_map(scanner, *beam)).collect();
             (Point2::new(scanner.x_m, scanner.y_m), beams)
         });
-        Some(scans.collect())
+        scans.collect()
     }
 
     /// Aligns all scans once more and draws the map.
