@@ -26,8 +26,14 @@ pub enum Rules {
     Published,
 }
 
+/// Our rules with the search for ways.
+struct Ours {
+    explorer: TourExplorer,
+    search: ViewSearch<Vec<SearchCell>, Vec<u8>>,
+}
+
 enum Chooser {
-    Ours(Box<(TourExplorer, ViewSearch<Vec<SearchCell>, Vec<u8>>)>),
+    Ours(Box<Ours>),
     Published(Explorer),
 }
 
@@ -58,7 +64,10 @@ impl Choice {
                 let storage = (vec![SearchCell::EMPTY; cells], vec![0; cells]);
                 let search = ViewSearch::new(geometry, config, storage);
                 let search = search.ok_or_else(|| anyhow::anyhow!("no raster for the ways"))?;
-                Chooser::Ours(Box::new((TourExplorer::new(TourExploreConfig::DEFAULT), search)))
+                Chooser::Ours(Box::new(Ours {
+                    explorer: TourExplorer::new(TourExploreConfig::DEFAULT),
+                    search,
+                }))
             }
         };
         Ok(Self { chooser, states: vec![0; cells], queue: vec![0; cells] })
@@ -88,17 +97,16 @@ impl Choice {
                 }
             }
             Chooser::Ours(ours) => {
-                let (explorer, search) = ours.as_mut();
+                let Ours { explorer, search } = ours.as_mut();
                 let mut points = search.view_points(costmap, robot, &found.frontiers);
                 let before = points.points.len();
                 explorer.leave_out_given_up(&mut points, passed_s);
                 let left_out = before - points.points.len();
                 let ways = search.ways(&points.points);
                 match explorer.choose(&points.points, &ways, left_out) {
-                    TourExploration::Go(point) => Some(Target {
-                        place: point.place_in_map,
-                        frontier: point.frontier.centroid_in_map,
-                    }),
+                    TourExploration::Go(point) => {
+                        Some(Target { place: point.place_in_map, frontier: point.frontier.centroid_in_map })
+                    }
                     _ => None,
                 }
             }
@@ -108,7 +116,7 @@ impl Choice {
     /// The target cannot be reached, or nothing came of it.
     pub(super) fn give_up(&mut self) {
         match &mut self.chooser {
-            Chooser::Ours(ours) => ours.0.goal_is_unreachable(),
+            Chooser::Ours(ours) => ours.explorer.goal_is_unreachable(),
             Chooser::Published(explorer) => explorer.goal_is_unreachable(),
         }
     }

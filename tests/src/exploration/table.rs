@@ -50,12 +50,9 @@ impl Line {
 pub fn exploration(folder: &Path) -> anyhow::Result<(String, bool)> {
     std::fs::create_dir_all(folder)?;
     let present = BUILDINGS.iter().filter_map(|(name, file)| Some((*name, recording(file)?)));
-    let jobs: Vec<_> =
-        present.flat_map(|at| [(at.clone(), Rules::Ours), (at, Rules::Published)]).collect();
-    let lines: anyhow::Result<Vec<Line>> = jobs
-        .par_iter()
-        .map(|((name, path), rules)| Line::of(&Building::load(name, path)?, *rules))
-        .collect();
+    let jobs: Vec<_> = present.flat_map(|at| [(at.clone(), Rules::Ours), (at, Rules::Published)]).collect();
+    let lines: anyhow::Result<Vec<Line>> =
+        jobs.par_iter().map(|((name, path), rules)| Line::of(&Building::load(name, path)?, *rules)).collect();
     let lines = lines?;
     let mut text = String::from(
         "building                  rules      floor m²  known %   way m  best tour m  ratio  view points  ended\n",
@@ -84,7 +81,11 @@ pub fn exploration(folder: &Path) -> anyhow::Result<(String, bool)> {
         let of = || lines.iter().filter(|line| line.rules == rules);
         let (way_m, tour_m): (f64, f64) =
             (of().map(|line| line.explored.way_m).sum(), of().map(|line| line.tour_m).sum());
-        writeln!(text, "all, {rules:?}: {way_m:.0} m driven, {:.2} times the tours", way_m / tour_m.max(0.1))?;
+        writeln!(
+            text,
+            "all, {rules:?}: {way_m:.0} m driven, {:.2} times the tours",
+            way_m / tour_m.max(0.1)
+        )?;
     }
     print!("{text}");
     std::fs::write(folder.join("exploration.txt"), &text)?;

@@ -83,8 +83,7 @@ pub(super) fn navigation_of(
         }
         Errand::Explore { side_m } => {
             let limits = &configuration.robot.limits;
-            let section =
-                section.cloned().unwrap_or_else(|| NavigationConfiguration::of_limits(limits));
+            let section = section.cloned().unwrap_or_else(|| NavigationConfiguration::of_limits(limits));
             let [x_m, y_m, heading_rad] = section.start;
             let start = Pose2::new(x_m, y_m, heading_rad);
             NavigationPlan::exploring(NavigationSettings::from(&section), start, (side_m, 1))

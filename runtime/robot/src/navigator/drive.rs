@@ -6,9 +6,7 @@ use std::sync::Arc;
 use floorguard_guard::Decision;
 use floorguard_navigation::global::{PlanFailure, PlanState, check_plan};
 use floorguard_navigation::local::{LocalCommand, LocalVerdict};
-use floorguard_navigation::recovery::{
-    Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, Trail,
-};
+use floorguard_navigation::recovery::{Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, Trail};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};

@@ -19,8 +19,8 @@ use super::progress::{ExplorationProgress, NavigationPhase};
 
 /// A goal is chosen anew this often, seconds.
 const DECIDE_S: f32 = 2.0;
-/// Smaller frontiers are gaps between beams, metres.
-const SIZE_MIN_M: f32 = 0.3;
+/// Smaller frontiers are gaps between beams and shadows of legs, metres.
+const SIZE_MIN_M: f32 = 0.5;
 /// A frontier is looked at from within, metres.
 const SIGHT_M: f32 = 6.0;
 /// Ways between view points are searched on cells of this edge, metres.
@@ -89,7 +89,9 @@ impl Exploring {
             0 => String::new(),
             count => format!(", {count} frontiers left that no way was found to"),
         };
-        format!("nothing that can be reached is unknown: {known_m2:.0} m² of floor known after {goals} goals{rest}")
+        format!(
+            "nothing that can be reached is unknown: {known_m2:.0} m² of floor known after {goals} goals{rest}"
+        )
     }
 
     /// What to do now.

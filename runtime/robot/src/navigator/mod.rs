@@ -21,7 +21,8 @@ mod survey;
 pub use drive::Navigator;
 pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
-    CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch, SharedNavigationWatch,
+    CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch,
+    SharedNavigationWatch,
 };
 pub use reasons::StandingReason;
 pub use setup::NavigationSetup;

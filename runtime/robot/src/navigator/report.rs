@@ -53,7 +53,9 @@ impl Navigator {
 
     fn words(&self, left_m: Option<f32>) -> String {
         match (self.phase, self.failure, &self.standing) {
-            (NavigationPhase::Explored, ..) => self.exploring.as_ref().map(Exploring::words).unwrap_or_default(),
+            (NavigationPhase::Explored, ..) => {
+                self.exploring.as_ref().map(Exploring::words).unwrap_or_default()
+            }
             (NavigationPhase::Reached, ..) => "the goal is reached".to_owned(),
             (NavigationPhase::Unreachable, Some(failure), _) => format!("{failure}, by the map alone"),
             (_, _, Some(standing)) => standing.to_string(),

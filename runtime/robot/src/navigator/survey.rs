@@ -148,7 +148,10 @@ impl Survey {
     /// # Errors
     /// The robot never moved, the scanner saw nothing, or the graph cannot be solved.
     pub fn finish(&mut self) -> anyhow::Result<SurveyedMap> {
-        anyhow::ensure!(self.mapper.tracker.nodes.len() > 1, "the robot hardly moved: there is nothing to map");
+        anyhow::ensure!(
+            self.mapper.tracker.nodes.len() > 1,
+            "the robot hardly moved: there is nothing to map"
+        );
         self.mapper.finish().map_err(|error| anyhow::anyhow!("the graph cannot be solved: {error}"))?;
         self.correct();
         let start = Se2::from(self.start_in_map);
@@ -176,7 +179,6 @@ pub(super) fn in_map(scanner_in_map: Pose2, beam: Beam) -> Beam {
 }
 
 /// The survey; one whose user panicked is still as good as it was.
-#[must_use]
 pub fn locked(survey: &SharedSurvey) -> MutexGuard<'_, Survey> {
     survey.lock().unwrap_or_else(PoisonError::into_inner)
 }
