@@ -27,7 +27,6 @@ pub(super) struct GuardModel {
     body: Body,
     drive: DriveLimits,
     thresholds: Thresholds,
-    hold_s: f32,
     people: Vec<MovingPerson>,
 }
 
@@ -38,7 +37,6 @@ impl GuardModel {
             body: Body::around(&robot.geometry.footprint),
             drive: robot.guard().drive,
             thresholds: robot.thresholds,
-            hold_s: super::model::tuned("FG_HOLD_S", HELD_S),
             people: Vec::new(),
         }
     }
@@ -100,7 +98,7 @@ impl PermittedMotion for GuardModel {
             let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
             let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
             if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
-                return Permission { speed_limit_mps: 0.0, held_s: self.hold_s };
+                return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
             }
         }
         permission

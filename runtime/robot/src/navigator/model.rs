@@ -119,26 +119,19 @@ impl Model {
     }
 
     /// Parameters of ours.
-    pub(super) fn mppi(&self) -> MppiConfig {
+    pub(super) const fn mppi(&self) -> MppiConfig {
         MppiConfig {
             drive: self.drive,
             step_s: 0.1,
             period_s: PERIOD_S,
-            speed_noise_mps: tuned("FG_NOISE", 0.25),
+            speed_noise_mps: 0.25,
             turn_noise_radps: 0.3,
-            temperature_s: tuned("FG_TEMP", TEMPERATURE_S),
+            temperature_s: TEMPERATURE_S,
             clear_cost: self.clear_cost,
-            people_acceleration_mps2: tuned("FG_ACC", PEOPLE_ACCELERATION_MPS2),
+            people_acceleration_mps2: PEOPLE_ACCELERATION_MPS2,
             person_radius_m: PERSON_RADIUS_M,
             arrival: self.arrival,
-            weights: MppiWeights {
-                turn_change: TURN_CHANGE,
-                person: tuned("FG_PERSON", NEAR_PERSON),
-                held: tuned("FG_HELD", 1.0),
-                collision: tuned("FG_COLL", 40.0),
-                off_path: tuned("FG_OFF", 0.8),
-                ..MppiWeights::DEFAULT
-            },
+            weights: MppiWeights { turn_change: TURN_CHANGE, person: NEAR_PERSON, ..MppiWeights::DEFAULT },
         }
     }
 
@@ -160,8 +153,4 @@ impl Model {
             ..DwaConfig::PUBLISHED
         }
     }
-}
-
-pub(super) fn tuned(name: &str, value: f32) -> f32 {
-    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(value)
 }

@@ -14,12 +14,9 @@ const PEOPLE_MAX: usize = 16;
 pub(super) struct Place {
     pub(super) middle: Point2,
     pub(super) deviation_m: f32,
-    /// The person would come to where the robot stands now: standing does not help.
-    pub(super) meets_standing: bool,
 }
 
 /// Places by person and step.
-#[derive(Default)]
 pub(super) struct Forecast {
     people: heapless::Vec<[Place; MPPI_STEPS], PEOPLE_MAX>,
 }
@@ -60,22 +57,10 @@ impl Forecast {
         let places = nearest.iter().map(|(_, person)| {
             core::array::from_fn(|step| {
                 let then = person.after((nearest_f32(step) + 1.0) * step_s, acceleration_mps2);
-                let (middle, deviation_m) = (then.position_in_map, then.position_deviation_m);
-                Place { middle, deviation_m, meets_standing: false }
+                Place { middle: then.position_in_map, deviation_m: then.position_deviation_m }
             })
         });
         Self { people: places.collect() }
-    }
-
-    /// Notes who would come to a robot that stands: `touches(place)` says whether somebody there touches its outline.
-    pub(super) fn note_meetings(&mut self, touches: impl Fn(Point2) -> bool) {
-        for places in &mut self.people {
-            let mut meets = false;
-            for place in places {
-                meets |= touches(place.middle);
-                place.meets_standing = meets;
-            }
-        }
     }
 
     /// Everybody's place at a step.

@@ -187,7 +187,7 @@ impl<S: AsRef<[MppiSample]> + AsMut<[MppiSample]>, P: PermittedMotion> LocalPlan
         };
         let config = self.config;
         let footprint = self.footprint.clone();
-        let mut stage = Stage {
+        let stage = Stage {
             config: &config,
             footprint: &footprint,
             costmap: situation.costmap,
@@ -198,9 +198,6 @@ impl<S: AsRef<[MppiSample]> + AsMut<[MppiSample]>, P: PermittedMotion> LocalPlan
             twist: situation.twist,
             speed_limit_mps: situation.speed_limit_mps.max(0.0),
         };
-        let mut people = core::mem::take(&mut stage.people);
-        people.note_meetings(|middle| stage.touches_standing(middle));
-        stage.people = people;
         self.shift();
         self.try_samples(&stage);
         let Some(chosen) = self.choose(&stage).filter(|chosen| chosen.is_free) else {

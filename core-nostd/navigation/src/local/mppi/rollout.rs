@@ -176,9 +176,7 @@ impl<P: PermittedMotion> Stage<'_, P> {
         let far_m = libm::sqrtf(squared_m2) - around_m;
         let gap_m = if far_m > NEAR_M { far_m } else { self.gap_m(robot, Point2::new(dx_m, dy_m)) };
         let is_moving = libm::fabsf(robot.twist.linear_mps) > 0.05;
-        // Whoever would walk into the standing robot evades it all the same.
-        let counts = is_moving && !person.meets_standing;
-        if gap_m <= 0.0 && counts && person.deviation_m < 2.0 * config.person_radius_m {
+        if gap_m <= 0.0 && is_moving && person.deviation_m < 2.0 * config.person_radius_m {
             return None;
         }
         // The chance that the person is there falls as the doubt spreads over more floor.
@@ -189,15 +187,6 @@ impl<P: PermittedMotion> Stage<'_, P> {
                 * share
                 * libm::expf(-gap_m * gap_m / (2.0 * spread_m * spread_m)),
         )
-    }
-
-    /// A person here touches a robot that stands where it is now.
-    pub(super) fn touches_standing(&self, middle: Point2) -> bool {
-        let (sin, cos) = libm::sincosf(self.pose.heading_rad);
-        let at = Placement { x_m: self.pose.x_m, y_m: self.pose.y_m, sin, cos };
-        let robot = Model { at, heading_rad: self.pose.heading_rad, twist: Twist2::ZERO, held_s: 0.0 };
-        let relative = Point2::new(middle.x_m - self.pose.x_m, middle.y_m - self.pose.y_m);
-        self.gap_m(&robot, relative) <= 0.0
     }
 
     /// From the outline to a person, given relative to the robot in the axes of the map, metres.
