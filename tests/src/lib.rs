@@ -9,6 +9,7 @@ pub mod crowds;
 pub mod data;
 pub mod dirt;
 pub mod environment;
+pub mod exploration;
 pub mod fuzz;
 pub mod lidar_frames;
 pub mod online;

@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         }
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, seed.unwrap_or(SEED), folder),
+        "exploration" => floorguard_tests::exploration::exploration(folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),
         "sliding-window" => floorguard_tests::reproduce::sliding_window::sliding_window(trials, folder),
         "slam" => floorguard_tests::slam::slam(folder),

@@ -6,5 +6,6 @@ mod cleaning_reproduce;
 mod cleaning_robot;
 mod navigation_barn;
 mod navigation_drive;
+mod navigation_exploration;
 mod navigation_paths;
 mod navigation_prediction;

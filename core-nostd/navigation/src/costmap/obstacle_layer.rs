@@ -94,6 +94,15 @@ impl<S: AsRef<[Occupancy]> + AsMut<[Occupancy]>> ObstacleLayer<S> {
         }
     }
 
+    /// A place of which nothing is known is taken for free floor: one on which the robot itself stands. What was seen stays.
+    pub fn suppose_free(&mut self, place_in_map: Point2) {
+        let cell = self.cells.geometry().cell_at(place_in_map);
+        let value = cell.and_then(|cell| self.cells.get_mut(cell));
+        if let Some(value) = value.filter(|value| **value == Occupancy::Unknown) {
+            *value = Occupancy::Free;
+        }
+    }
+
     /// Clears along a ray up to its end or to `reach_m`.
     pub(super) fn clear(&mut self, from_in_map: Point2, to_in_map: Point2, reach_m: f32) {
         let length_m = from_in_map.distance(to_in_map);
@@ -157,8 +166,12 @@ mod tests {
         let beams = [Beam::Hit(Point2::new(2.05, 1.05)), Beam::Hit(Point2::new(2.65, 1.07))];
         layer.observe(sensor, ObstacleLimits::PUBLISHED, beams.into_iter());
         assert_eq!(at(&layer, 2.05, 1.05), Occupancy::Occupied);
+        layer.suppose_free(Point2::new(2.05, 1.05));
+        assert_eq!(at(&layer, 2.05, 1.05), Occupancy::Occupied, "what was seen stays");
         layer.forget_within(Point2::new(2.05, 1.05), 0.2);
         assert_eq!(at(&layer, 2.05, 1.05), Occupancy::Unknown);
+        layer.suppose_free(Point2::new(2.05, 1.05));
+        assert_eq!(at(&layer, 2.05, 1.05), Occupancy::Free);
         assert_eq!(at(&layer, 2.65, 1.05), Occupancy::Occupied);
     }
 }

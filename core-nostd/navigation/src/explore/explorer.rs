@@ -2,12 +2,9 @@
 
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::nearest_f32;
-use heapless::Vec;
 
 use super::frontier::{Frontier, FrontierSearch};
-
-/// Goals that were given up.
-const GIVEN_UP_MAX: usize = 64;
+use super::goal_watch::GoalWatch;
 
 /// How frontiers are compared: `potential_scale · distance − gain_scale · size`, both in metres; smaller is better.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,41 +58,24 @@ pub enum Exploration {
 #[derive(Clone, Debug)]
 pub struct Explorer {
     config: ExploreConfig,
-    goal: Option<Point2>,
-    nearest_m: f32,
-    without_progress_s: f32,
-    given_up: Vec<Point2, GIVEN_UP_MAX>,
+    watch: GoalWatch,
 }
 
 impl Explorer {
     /// At the beginning.
     #[must_use]
     pub const fn new(config: ExploreConfig) -> Self {
-        Self { config, goal: None, nearest_m: f32::INFINITY, without_progress_s: 0.0, given_up: Vec::new() }
+        Self { config, watch: GoalWatch::new() }
     }
 
     /// The planner found no path to the present goal.
     pub fn goal_is_unreachable(&mut self) {
-        if let Some(goal) = self.goal.take() {
-            self.give_up(goal);
-        }
+        self.watch.give_up();
     }
 
     /// Everything that was given up may be tried again: the map has changed much.
     pub fn try_again(&mut self) {
-        self.given_up.clear();
-    }
-
-    fn give_up(&mut self, goal: Point2) {
-        if self.given_up.is_full() {
-            self.given_up.remove(0);
-        }
-        // It fits now.
-        let _ = self.given_up.push(goal);
-    }
-
-    fn is_given_up(&self, goal: Point2) -> bool {
-        self.given_up.iter().any(|old| old.distance(goal) <= self.config.given_up_m)
+        self.watch.try_again();
     }
 
     /// What to do with today's frontiers; `distance_m(frontier)` is the way to one, `None`: it cannot be reached.
@@ -110,11 +90,14 @@ impl Explorer {
         if found.is_lost || found.is_out_of_room {
             return Exploration::Lost;
         }
-        self.watch_progress(robot_in_map, passed_s);
+        if let Some(goal) = self.watch.goal_in_map() {
+            self.watch.progress(robot_in_map.distance(goal), (passed_s, self.config.progress_timeout_s));
+        }
         let mut left_out = 0_usize;
         let mut best: Option<(f32, Frontier)> = None;
         for frontier in &found.frontiers {
-            let path_m = distance_m(frontier).filter(|_| !self.is_given_up(frontier.goal_in_map));
+            let is_given_up = self.watch.is_given_up(frontier.goal_in_map, self.config.given_up_m);
+            let path_m = distance_m(frontier).filter(|_| !is_given_up);
             let Some(path_m) = path_m else {
                 left_out = left_out.saturating_add(1);
                 continue;
@@ -126,7 +109,8 @@ impl Explorer {
         }
         match best {
             Some((_, frontier)) => {
-                self.turn_to(&frontier, robot_in_map);
+                let left_m = robot_in_map.distance(frontier.goal_in_map);
+                self.watch.turn_to(frontier.goal_in_map, (left_m, self.config.given_up_m));
                 Exploration::Go(frontier)
             }
             None if left_out > 0 => Exploration::GivenUp(left_out),
@@ -137,35 +121,10 @@ impl Explorer {
     /// The present goal is favoured by the hysteresis.
     fn cost(&self, frontier: &Frontier, path_m: f32) -> f32 {
         let config = &self.config;
-        let is_present =
-            self.goal.is_some_and(|goal| goal.distance(frontier.goal_in_map) <= config.hysteresis_m);
+        let is_present = self.watch.is_at(frontier.goal_in_map, config.hysteresis_m);
         let bonus_m = if is_present { config.hysteresis_m } else { 0.0 };
         config.cost.potential_scale * (path_m - bonus_m)
             - config.cost.gain_scale * nearest_f32(frontier.cells) * 0.05
-    }
-
-    fn turn_to(&mut self, frontier: &Frontier, robot_in_map: Point2) {
-        let is_same =
-            self.goal.is_some_and(|goal| goal.distance(frontier.goal_in_map) <= self.config.given_up_m);
-        if !is_same {
-            self.nearest_m = robot_in_map.distance(frontier.goal_in_map);
-            self.without_progress_s = 0.0;
-        }
-        self.goal = Some(frontier.goal_in_map);
-    }
-
-    fn watch_progress(&mut self, robot_in_map: Point2, passed_s: f32) {
-        let Some(goal) = self.goal else { return };
-        let distance_m = robot_in_map.distance(goal);
-        if distance_m < self.nearest_m - 0.05 {
-            self.nearest_m = distance_m;
-            self.without_progress_s = 0.0;
-            return;
-        }
-        self.without_progress_s += passed_s.max(0.0);
-        if self.without_progress_s >= self.config.progress_timeout_s {
-            self.goal_is_unreachable();
-        }
     }
 }
 

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod coverage_tests;
 mod digest;
+mod exploration_outcome;
 mod latency;
 mod mission_outcome;
 mod navigation_outcome;
@@ -20,6 +21,7 @@ mod verdict;
 mod zone;
 
 pub use digest::Digest;
+pub use exploration_outcome::ExplorationReport;
 pub use latency::Quantiles;
 pub use mission_outcome::{MissionJudge, MissionOutcome, MissionReport};
 pub use navigation_outcome::{NavigationJudge, NavigationReport};

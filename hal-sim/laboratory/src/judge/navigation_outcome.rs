@@ -4,11 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use floorguard_guard::Decision;
-use floorguard_robot::navigator::{NavigationPhase, NavigationPlan, NavigationProgress, StandingReason};
+use floorguard_robot::navigator::{
+    NavigationPhase, NavigationPlan, NavigationProgress, StandingReason, SurveyedMap,
+};
+use floorguard_robot::site::Floor;
 use floorguard_sim::simulation::Truth as SimTruth;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use serde::Serialize;
 
+use super::exploration_outcome::ExplorationReport;
 use super::standing_cause::StandingMoment;
 
 /// Slower than this is standing, m/s and rad/s.
@@ -55,6 +59,9 @@ pub struct NavigationReport {
     pub plans: u32,
     /// How often each measure of recovery was taken.
     pub measures: BTreeMap<String, u32>,
+    /// What came of the map, if the robot was to make one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exploration: Option<ExplorationReport>,
 }
 
 impl NavigationReport {
@@ -69,6 +76,9 @@ impl NavigationReport {
         if self.unreasoned_s > UNREASONED_MAX_S {
             return Some(format!("the robot stood for {:.1} s and named no true reason", self.unreasoned_s));
         }
+        if let Some(exploration) = &self.exploration {
+            return exploration.shortfall(&self.reason);
+        }
         (!self.reached)
             .then(|| format!("the goal is not reached after {:.0} s: {}", self.took_s, self.reason))
     }
@@ -76,15 +86,17 @@ impl NavigationReport {
     /// In one line, for people.
     #[must_use]
     pub fn words(&self) -> String {
+        let end = match &self.exploration {
+            Some(exploration) => exploration.words(),
+            None => format!("{:.2} m and {:.0} degrees off the goal", self.off_goal_m, self.off_goal_deg),
+        };
         format!(
-            "{} after {:.0} s, {:.1} m driven, {:.2} m/s in the mean, stood {:.0} % of the time; {:.2} m and {:.0} degrees off the goal",
+            "{} after {:.0} s, {:.1} m driven, {:.2} m/s in the mean, stood {:.0} % of the time; {end}",
             self.phase,
             self.took_s,
             self.distance_m,
             self.mean_speed_mps,
             100.0 * self.standing_share,
-            self.off_goal_m,
-            self.off_goal_deg
         )
     }
 }
@@ -114,6 +126,12 @@ impl NavigationJudge {
             standing_s: 0.0,
             stretch_s: 0.0,
         }
+    }
+
+    /// The map that the robot made.
+    pub fn take_survey(&mut self, surveyed: &SurveyedMap, floor: &Floor) {
+        let ended = self.newest.as_ref().is_some_and(|newest| newest.phase == NavigationPhase::Explored);
+        self.report.exploration = Some(ExplorationReport::of(surveyed, floor, ended));
     }
 
     /// The robot reported its progress.
@@ -171,6 +189,7 @@ impl NavigationJudge {
         };
         let claims = progress.phase == NavigationPhase::Reached;
         (report.reached, report.false_claim) = (claims && is_there, claims && !is_there);
+        report.reached |= progress.phase == NavigationPhase::Explored;
         progress.phase.name().clone_into(&mut report.phase);
         report.reason.clone_from(&progress.words);
         report.left_m = progress.left_m;

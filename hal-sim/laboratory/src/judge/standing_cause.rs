@@ -25,6 +25,7 @@ impl StandingMoment {
         match self.reason {
             Some(StandingReason::Starting) => "starting: no pose or no plan yet".to_owned(),
             Some(StandingReason::Paused) => "paused".to_owned(),
+            Some(StandingReason::Looking) => "looks beyond known floor".to_owned(),
             Some(StandingReason::Ended) => "ended".to_owned(),
             Some(StandingReason::Guard(_)) => self.guard(),
             Some(StandingReason::Recovery(step)) => self.obstruction(step),

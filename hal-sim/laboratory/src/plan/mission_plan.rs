@@ -55,7 +55,7 @@ pub fn navigation_of_scenario(
 }
 
 /// Draws the map of a scene: what the scanner's plane meets is a surface, what stands above or below it is no floor.
-fn survey(scenario: &Scenario, scene: &Scene) -> anyhow::Result<OccupancyMap> {
+pub(crate) fn survey(scenario: &Scenario, scene: &Scene) -> anyhow::Result<OccupancyMap> {
     let route = scenario.route.waypoints_m.iter().chain([&scenario.start.at_m]);
     let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
     let mut cover = |x_m: f32, y_m: f32, around_m: f32| {

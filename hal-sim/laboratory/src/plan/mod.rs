@@ -5,6 +5,7 @@ mod outside;
 mod recorded_lidar;
 mod run_plan;
 
+pub(crate) use mission_plan::survey;
 pub use mission_plan::{navigation_of_scenario, plan_of_scenario};
 pub use outside::{HeardAt, OutsideProgram, SentFrame, Stretch};
 pub use recorded_lidar::RecordedLidar;

@@ -205,6 +205,17 @@ impl Plan {
         Ok(self)
     }
 
+    /// With an empty map of this side around the start, metres, that the robot is to complete; no dirt lies there.
+    ///
+    /// # Errors
+    /// The side makes no map.
+    pub fn exploring(mut self, side_m: f32) -> Result<Self, PlanError> {
+        let start = self.scenario.start_pose();
+        let plan = NavigationPlan::exploring(self.navigation_settings, start, (side_m, self.seed));
+        self.navigation = Some(plan.map_err(PlanError::Mission)?);
+        Ok(self)
+    }
+
     /// With another safety scanner in the same place.
     ///
     /// # Errors

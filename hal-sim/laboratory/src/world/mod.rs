@@ -13,6 +13,7 @@ mod planning;
 mod real_world;
 mod recorded_plan;
 mod scenario_file;
+mod surveying;
 mod swept_area;
 mod true_state;
 mod truth;

@@ -3,6 +3,7 @@
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::environment::PeopleSeen;
 use floorguard_robot::learning::LearningReport;
+use floorguard_robot::navigator::SurveyedMap;
 use floorguard_types::geometry::{Point2, Pose2};
 
 use crate::judge::{HeardOf, MissionOutcome, Verdict};
@@ -56,6 +57,8 @@ pub struct Observation {
     pub seen_dirt: Option<SeenDirt>,
     /// What the robot learned of the appearance of people, if it does.
     pub learned: Option<LearningReport>,
+    /// The map that the robot made, if it explored.
+    pub surveyed: Option<SurveyedMap>,
 }
 
 impl Observation {

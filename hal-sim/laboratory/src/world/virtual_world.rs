@@ -15,6 +15,7 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::outside::spawn_outside;
 use super::planning::{begin_mission, spawn_planning};
+use super::surveying::judge_survey;
 use super::true_state;
 use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
@@ -143,6 +144,7 @@ fn play(
     if let Some(learned) = world.learned.as_ref().and_then(LearningWriter::report) {
         world.observer.on_learning(learned);
     }
+    judge_survey(plan, world.navigation.as_ref(), world.observer);
     world.observer.finish(world.operator.resets());
     if let Some(folder) = world.sinks.pictures.take() {
         folder.finish()?;

@@ -34,6 +34,12 @@ pub enum Command {
         after_help = "Examples:\n  floorguard goto 14.5 4.5 90\n  floorguard goto 14.5 4.5 90 robot.toml --json --record drive.mcap"
     )]
     Goto(super::GotoArguments),
+    /// Let the robot find its way over floor of which there is no map, until nothing that it can reach is unknown, and write the
+    /// map.
+    #[command(
+        after_help = "Examples:\n  floorguard explore robot.toml --out hall --record first-drive.mcap\n  floorguard explore --scenario supermarket --seed 1 --out supermarket-map"
+    )]
+    Explore(super::ExploreArguments),
     #[cfg(feature = "laboratory")]
     /// Drive the simulated robot through a scenario and judge it by ground truth.
     #[command(

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use floorguard_configuration::NavigationConfiguration;
-use floorguard_robot::navigator::{NavigationPhase, NavigationPlan, NavigationProgress, NavigationSetup};
+use floorguard_robot::navigator::{
+    NavigationPhase, NavigationPlan, NavigationProgress, NavigationSettings, NavigationSetup,
+};
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished};
 use super::map_here::MapHere;
-use super::run::{self, RunArguments, RunOutputs};
+use super::run::{self, Errand, RunArguments, RunOutputs};
 use super::values::coordinate;
 use floorguard_configuration::HostedConfiguration;
 
@@ -41,7 +43,9 @@ pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
     let GotoArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
-    match run::run_to(&RunArguments { file, learn: None, map_here: MapHere::default(), outputs }, Some(goal))? {
+    let arguments = RunArguments { file, learn: None, map_here: MapHere::default(), outputs };
+    let drive = run::run_to(&arguments, Some(Errand::Goal(goal)))?;
+    match drive.and_then(|drive| drive.watch.get()) {
         Some(progress) => conclude(&progress, json),
         None => Err(NotFinished("the drive never began".to_owned()).into()),
     }
@@ -64,18 +68,30 @@ fn conclude(progress: &NavigationProgress, json: bool) -> anyhow::Result<()> {
     Err(NotFinished(format!("the goal is not reached: {}", progress.words)).into())
 }
 
-/// The drive of a configuration to a goal; a map that is too small for the robot is reported before anything moves.
+/// The drive of a configuration; a map that is too small for the robot is reported before anything moves.
 pub(super) fn navigation_of(
     (file, folder): (&Path, &Path),
     configuration: &HostedConfiguration,
-    goal: Option<Pose2>,
+    errand: Option<Errand>,
 ) -> anyhow::Result<Option<NavigationSetup>> {
-    let Some(goal) = goal else { return Ok(None) };
+    let Some(errand) = errand else { return Ok(None) };
     let refuse = |error: anyhow::Error| BadInput(format!("{}: [navigation]: {error:#}", file.display()));
     let section: Option<&NavigationConfiguration> = configuration.navigation.as_ref();
     let missing = || anyhow::anyhow!("the section is missing; write [navigation] with map = \"hall.yaml\"");
-    let section = section.ok_or_else(missing).map_err(refuse)?;
-    let plan = NavigationPlan::of_configuration(section, folder, goal).map_err(refuse)?;
+    let plan = match errand {
+        Errand::Goal(goal) => {
+            let section = section.ok_or_else(missing).map_err(refuse)?;
+            NavigationPlan::of_configuration(section, folder, goal)
+        }
+        Errand::Explore { side_m } => {
+            let limits = &configuration.robot.limits;
+            let section = section.cloned().unwrap_or_else(|| NavigationConfiguration::of_limits(limits));
+            let [x_m, y_m, heading_rad] = section.start;
+            let start = Pose2::new(x_m, y_m, heading_rad);
+            NavigationPlan::exploring(NavigationSettings::from(&section), start, (side_m, 1))
+        }
+    };
+    let plan = plan.map_err(refuse)?;
     let setup = NavigationSetup::new(plan);
     setup.begin(&configuration.robot).map_err(refuse)?;
     Ok(Some(setup))

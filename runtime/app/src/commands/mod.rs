@@ -16,6 +16,9 @@ mod eval;
 mod eval_stages;
 mod exit;
 mod explain;
+mod explore;
+#[cfg(feature = "laboratory")]
+mod explore_simulated;
 mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
@@ -57,6 +60,7 @@ pub use eval::{EvalArguments, EvalStage};
 pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
+pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 pub use manual::ManualArguments;
@@ -110,6 +114,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Tape(arguments)) => tape::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Goto(arguments)) => goto::run(&arguments),
+        Some(Command::Explore(arguments)) => explore::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Demo(arguments)) => demo::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -7,7 +7,6 @@ mod watch;
 use std::io::{BufRead, IsTerminal};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 
@@ -36,7 +35,7 @@ use floorguard_robot::camera::open_source;
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationProgress};
+use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
 use floorguard_types::geometry::Pose2;
 
 /// Stands in the recording of a robot without an inertial sensor.
@@ -99,14 +98,23 @@ fn bind_links(configuration: &HostedConfiguration) -> anyhow::Result<Links> {
     Ok(links.map_err(|error| BadInput(error.to_string()))?)
 }
 
-/// The same to a goal: the run ends there, or where the drive is given up. Gives the last progress of the drive.
+/// What a run is for, where it ends by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Errand {
+    /// To drive there.
+    Goal(Pose2),
+    /// To map a square of this side around the start, metres.
+    Explore { side_m: f32 },
+}
+
+/// The same on an errand: the run ends with it, or where it is given up. Gives the drive with its last progress.
 ///
 /// # Errors
 /// As [`run`]; and the configuration has no map.
 pub(super) fn run_to(
     arguments: &RunArguments,
-    goal: Option<Pose2>,
-) -> anyhow::Result<Option<Arc<NavigationProgress>>> {
+    errand: Option<Errand>,
+) -> anyhow::Result<Option<NavigationSetup>> {
     let configuration = load(&arguments.file)?;
     refuse_unaccepted(&arguments.file, &configuration)?;
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
@@ -131,7 +139,7 @@ pub(super) fn run_to(
     }
     let learning = learning_of((arguments, folder), &configuration)?;
     watch.learned = learning.as_ref().map(LearningSetup::writer);
-    let navigation = navigation_of((&arguments.file, folder), &configuration, goal)?;
+    let navigation = navigation_of((&arguments.file, folder), &configuration, errand)?;
     let mission = if navigation.is_some() { None } else { mission_of((arguments, folder), &configuration)? };
     let reported = Reported {
         mission: mission.as_ref().map(|mission| &mission.plan),
@@ -167,7 +175,7 @@ pub(super) fn run_to(
     say!("floorguard run: guard ring {}", lateness.figures());
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
     all_written(watch.unwritten.as_ref())?;
-    Ok(navigation.and_then(|drive| drive.watch.get()))
+    Ok(navigation)
 }
 
 /// How to operate it, what this robot does without, and who drives it.

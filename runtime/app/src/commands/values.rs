@@ -39,6 +39,15 @@ pub(super) fn moment_s(text: &str) -> Result<f64, String> {
     some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
 }
 
+/// The side of a square that is explored: 5 to 150 m.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn side_m(text: &str) -> Result<f32, String> {
+    let some = text.parse::<f32>().ok().filter(|side| (5.0..=150.0).contains(side));
+    some.ok_or_else(|| "give metres, from 5 to 150".to_owned())
+}
+
 /// Where velocities come from outside: `udp:ADDRESS:PORT`.
 ///
 /// # Errors

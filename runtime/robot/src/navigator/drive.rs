@@ -6,9 +6,7 @@ use std::sync::Arc;
 use floorguard_guard::Decision;
 use floorguard_navigation::global::{PlanFailure, PlanState, check_plan};
 use floorguard_navigation::local::{LocalCommand, LocalVerdict};
-use floorguard_navigation::recovery::{
-    Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, RecoveryTimes, Trail,
-};
+use floorguard_navigation::recovery::{Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, Trail};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
@@ -16,14 +14,16 @@ use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
 
 use super::course::Course;
+use super::exploring::Exploring;
 use super::goal_search::GoalSearch;
 use super::guard_model::{GuardModel, place_of};
 use super::maps::Maps;
-use super::model::{Model, PERIOD_S};
+use super::model::{Model, PERIOD_S, times_of};
 use super::plan::{Journey, NavigationPlan};
 use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
 use super::reasons::StandingReason;
 use super::senses::Senses;
+use super::setup::NavigationSetup;
 use super::steering::{Steering, SteeringMoment, is_followed};
 
 /// The global costs are made anew this often, seconds.
@@ -64,6 +64,7 @@ pub struct Navigator {
     pub(super) step: Option<RecoveryStep>,
     pub(super) requested: Twist2,
     pub(super) standing: Option<StandingReason>,
+    pub(super) exploring: Option<Exploring>,
     pub(super) watch: SharedNavigationWatch,
     pub(super) began: Option<Stamp>,
     pub(super) last_s: f32,
@@ -87,19 +88,17 @@ impl Navigator {
     ///
     /// # Errors
     /// The map has no floor for this robot, or is too large.
-    pub fn new(
-        plan: &NavigationPlan,
-        robot: &RobotConfiguration,
-        watch: SharedNavigationWatch,
-    ) -> anyhow::Result<Self> {
+    pub fn new(setup: &NavigationSetup, robot: &RobotConfiguration) -> anyhow::Result<Self> {
+        let NavigationSetup { plan, watch, survey } = setup;
         let map = plan.occupancy()?;
         let model = Model::of(robot, &plan.settings, map.geometry().resolution_m().max(0.05))?;
-        let maps = Maps::new(&map, &model.inflation, plan.settings.is_blind)?;
+        let mut maps = Maps::new(&map, &model.inflation, plan)?;
+        maps.start_at(place_of(plan.start_pose()), model.outline.circumscribed_radius_m());
         let search = GoalSearch::new(maps.geometry(), &model)?;
         let steering = Steering::new(&model, &plan.settings, (maps.window_cells(), plan.seed));
-        let times = RecoveryTimes { help_s: plan.settings.help_after_s, ..RecoveryTimes::DEFAULT };
         Ok(Self {
-            senses: Senses::new(plan, robot, model.outline.inscribed_radius_m())?,
+            senses: Senses::new(plan, robot, (model.outline.inscribed_radius_m(), survey.as_ref()))?,
+            exploring: plan.explores.then(|| Exploring::new(maps.geometry())).transpose()?,
             guard: GuardModel::of(robot),
             plan: plan.clone(),
             model,
@@ -107,16 +106,17 @@ impl Navigator {
             search,
             course: Course::default(),
             steering,
-            recovery: Recovery::new(times),
+            recovery: Recovery::new(times_of(&plan.settings)),
             trail: Trail::default(),
             back: Vec::new(),
             phase: NavigationPhase::Starting,
             failure: None,
-            is_proved: false,
+            // A map that is empty proves nothing.
+            is_proved: plan.explores,
             step: None,
             requested: Twist2::ZERO,
             standing: Some(StandingReason::Starting),
-            watch,
+            watch: watch.clone(),
             began: None,
             last_s: 0.0,
             next_s: 0.0,
@@ -183,6 +183,7 @@ impl Navigator {
             Err(failure) => {
                 self.failure = Some(failure);
                 self.course = Course::default();
+                self.exploring.iter_mut().for_each(|exploring| exploring.note_failure(failure));
                 if !self.is_proved {
                     self.prove(pose, goal);
                 }
@@ -239,11 +240,21 @@ impl Navigator {
         LocalCommand::stand(LocalVerdict::NoPath)
     }
 
-    fn is_at_goal(&self, pose: Pose2) -> bool {
+    pub(super) fn is_at_goal(&self, pose: Pose2) -> bool {
         let goal = self.plan.goal_pose();
         let turn_rad = wrap_angle(goal.heading_rad - pose.heading_rad).abs();
         let off_m = place_of(pose).distance(place_of(goal));
         off_m <= self.plan.settings.within_m && turn_rad <= self.plan.settings.within_rad
+    }
+
+    /// The robot stands at a goal that was given.
+    fn has_arrived(&mut self, pose: Pose2) -> bool {
+        let stands = is_standing(self.senses.motion().twist);
+        let is_there = self.exploring.is_none() && stands && self.is_at_goal(pose);
+        if is_there {
+            self.phase = NavigationPhase::Reached;
+        }
+        is_there
     }
 
     fn obstruction(&self, command: &LocalCommand) -> Option<Obstruction> {
@@ -281,7 +292,7 @@ impl Navigator {
         }
         match step.measure {
             Measure::ClearCostmap => {
-                self.maps.forget_around(place_of(pose));
+                self.forget_around(place_of(pose));
                 (self.next_refresh_s, self.next_plan_s) = (now_s + 0.3, now_s + 0.3);
                 self.course = Course::default();
             }
@@ -305,8 +316,9 @@ impl Navigator {
     /// One period: plan, steer, recover.
     fn decide(&mut self, now_s: f32) -> Twist2 {
         let pose = self.senses.pose();
-        if self.is_at_goal(pose) && is_standing(self.senses.motion().twist) {
-            self.phase = NavigationPhase::Reached;
+        self.maps.stand_on(&self.model.outline, pose);
+        self.choose_goal(pose, now_s);
+        if self.has_arrived(pose) || self.phase.has_ended() {
             return Twist2::ZERO;
         }
         if self.back.is_empty() {
@@ -357,12 +369,14 @@ impl Mission for Navigator {
         }
         if let Some(scan) = moment.scan {
             let (sensor, beams) = self.senses.see(scan, now_s);
+            if let Some(scans) = self.senses.take_redrawn() {
+                self.maps.redraw(&scans);
+            }
             self.maps.see(sensor, &beams);
         }
         self.notice_hold(moment.decision, lasted_s);
         self.lost_s = if self.senses.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
-        let is_over = matches!(self.phase, NavigationPhase::Reached | NavigationPhase::Unreachable);
-        if moment.is_paused || is_over {
+        if moment.is_paused || self.phase.has_ended() {
             self.requested = Twist2::ZERO;
         } else if now_s >= self.next_s {
             self.next_s = now_s + PERIOD_S - 0.001;

@@ -5,9 +5,10 @@ use floorguard_navigation::costmap::{
     Beam, CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, ObstacleLayer,
     ObstacleLimits, PeopleCost, compose,
 };
-use floorguard_types::geometry::Point2;
-use floorguard_types::motion::MovingPerson;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{Footprint, MovingPerson};
 
+use super::plan::NavigationPlan;
 use crate::site::ros_map::OccupancyMap;
 
 /// Cells of the global costmap; larger maps are planned on coarser cells.
@@ -18,6 +19,10 @@ const CELL_MAX_M: f32 = 0.15;
 const HALF_WINDOW_M: f32 = 4.0;
 /// Where rays end nearer than this they mark; and so far they clear, metres.
 const LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 6.0, clear_m: 8.0 };
+/// The same where a map is made: what is far is all that is known.
+const EXPLORED_LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 15.0, clear_m: 15.0 };
+/// Free floor around a robot that begins to explore, beyond what it takes to turn on the spot, metres.
+const START_M: f32 = 0.3;
 /// What the robot forgets around itself when it clears the costmap, metres.
 const FORGET_M: f32 = 6.0;
 /// Hills of cost at places where the robot did not get through.
@@ -84,6 +89,9 @@ pub(super) struct Maps {
     inflation: Inflation,
     stuck: Vec<MovingPerson>,
     is_blind: bool,
+    explores: bool,
+    /// Where the robot was switched on, and how far around it the floor is taken for free; nothing on a known map.
+    start: (Point2, f32),
 }
 
 impl Maps {
@@ -94,8 +102,9 @@ impl Maps {
     pub(super) fn new(
         map: &OccupancyMap,
         inflation: &InflationConfig,
-        is_blind: bool,
+        plan: &NavigationPlan,
     ) -> anyhow::Result<Self> {
+        let (is_blind, explores) = (plan.settings.is_blind, plan.explores);
         let geometry = raster_of(map.geometry())?;
         let cell_m = geometry.resolution_m();
         let mut global = Costmap::new(geometry);
@@ -107,6 +116,9 @@ impl Maps {
         }
         let unknown = global.fixed.iter_mut().filter(|state| **state == Occupancy::Unknown);
         unknown.for_each(|state| *state = Occupancy::Occupied);
+        if explores {
+            global.fixed.fill(Occupancy::Unknown);
+        }
         if is_blind {
             global.fixed.fill(Occupancy::Free);
         }
@@ -125,6 +137,8 @@ impl Maps {
             inflation: Inflation::new(inflation, cell_m)?,
             stuck: Vec::new(),
             is_blind,
+            explores,
+            start: (Point2::default(), 0.0),
         })
     }
 
@@ -136,8 +150,63 @@ impl Maps {
     /// A scan from a sensor in the map frame.
     pub(super) fn see(&mut self, sensor_in_map: Point2, beams: &[Beam]) {
         if !self.is_blind {
-            self.observed.observe(sensor_in_map, LIMITS, beams.iter().copied());
+            let limits = if self.explores { EXPLORED_LIMITS } else { LIMITS };
+            self.observed.observe(sensor_in_map, limits, beams.iter().copied());
         }
+    }
+
+    /// Forgets all that was seen, and sees these scans instead: the map was corrected.
+    pub(super) fn redraw(&mut self, scans: &[(Point2, Vec<Beam>)]) {
+        let geometry = self.global.geometry;
+        self.observed.forget_within(geometry.origin_in_map(), f32::INFINITY);
+        scans.iter().for_each(|(sensor, beams)| self.see(*sensor, beams));
+        self.suppose_free_around_start();
+    }
+
+    /// The robot is switched on here: it can turn on the spot, and what its scanner does not see behind it is taken for free
+    /// floor as far as that takes. Only where a map is made.
+    pub(super) fn start_at(&mut self, place_in_map: Point2, radius_m: f32) {
+        self.start = (place_in_map, radius_m + START_M);
+        self.suppose_free_around_start();
+    }
+
+    fn suppose_free_around_start(&mut self) {
+        let (middle, radius_m) = self.start;
+        let low = Point2::new(-radius_m, -radius_m);
+        for place in self.places_within((low, Point2::new(radius_m, radius_m))) {
+            if place.norm() <= radius_m {
+                let place = Point2::new(middle.x_m + place.x_m, middle.y_m + place.y_m);
+                self.observed.suppose_free(place);
+            }
+        }
+    }
+
+    /// Where the robot stands nothing else does: unknown floor under its outline is free. Only where a map is made.
+    pub(super) fn stand_on(&mut self, outline: &Footprint, pose_in_map: Pose2) {
+        // The outline is tested by cells: those that it grazes belong to it.
+        let cell_m = self.global.geometry.resolution_m();
+        let (mut low, mut high) = (Point2::default(), Point2::default());
+        for corner in outline.corners_in_base() {
+            low = Point2::new(low.x_m.min(corner.x_m - cell_m), low.y_m.min(corner.y_m - cell_m));
+            high = Point2::new(high.x_m.max(corner.x_m + cell_m), high.y_m.max(corner.y_m + cell_m));
+        }
+        for place in self.places_within((low, high)) {
+            self.observed.suppose_free(pose_in_map.transform(place));
+        }
+    }
+
+    /// Places of a rectangle, half a cell apart; none on a known map.
+    fn places_within(&self, (low, high): (Point2, Point2)) -> Vec<Point2> {
+        let step_m = 0.5 * self.global.geometry.resolution_m();
+        let steps = |from_m: f32, to_m: f32| {
+            if self.explores { 0..((to_m - from_m) / step_m).ceil() as u32 + 1 } else { 0..0 }
+        };
+        let along = |step: u32| low.x_m + step as f32 * step_m;
+        let across = |step: u32| low.y_m + step as f32 * step_m;
+        steps(low.x_m, high.x_m)
+            .flat_map(|x| steps(low.y_m, high.y_m).map(move |y| (x, y)))
+            .map(|(x, y)| Point2::new(along(x), across(y)))
+            .collect()
     }
 
     /// Forgets what was seen around a place.
@@ -188,7 +257,8 @@ impl Maps {
             let of = |layer: &[Occupancy], outside| {
                 source.and_then(|at| layer.get(at).copied()).unwrap_or(outside)
             };
-            self.window.fixed[cell] = of(&self.global.fixed, Occupancy::Occupied);
+            let outside = if self.explores { Occupancy::Unknown } else { Occupancy::Occupied };
+            self.window.fixed[cell] = of(&self.global.fixed, outside);
             self.window.observed[cell] = of(observed, Occupancy::Unknown);
         }
         let shape = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };

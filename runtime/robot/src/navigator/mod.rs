@@ -1,12 +1,14 @@
-//! Drives to a goal on a known map: costmaps, a global plan, a local planner, and what to do when the robot does not come
+//! Drives to a goal on a known map, or makes one: costmaps, a global plan, a local planner, and what to do when the robot does not come
 //! forward. What comes out is a request; the guard decides.
 
 mod course;
 mod drive;
+mod exploring;
 mod goal_search;
 mod guard_model;
 mod maps;
 mod model;
+mod place;
 mod plan;
 mod progress;
 mod reasons;
@@ -14,11 +16,14 @@ mod report;
 mod senses;
 mod setup;
 mod steering;
+mod survey;
 
 pub use drive::Navigator;
 pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
-    CostmapImage, NavigationPhase, NavigationProgress, NavigationWatch, SharedNavigationWatch,
+    CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch,
+    SharedNavigationWatch,
 };
 pub use reasons::StandingReason;
 pub use setup::NavigationSetup;
+pub use survey::{SharedSurvey, Survey, SurveyedMap, locked};

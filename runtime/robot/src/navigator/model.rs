@@ -3,6 +3,7 @@
 use floorguard_navigation::costmap::InflationConfig;
 use floorguard_navigation::global::Pace;
 use floorguard_navigation::local::{Arrival, DwaConfig, MppiConfig, MppiWeights};
+use floorguard_navigation::recovery::RecoveryTimes;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::{DriveGeometry, DriveKinematics, Footprint};
@@ -34,6 +35,11 @@ const REACHED: f32 = 0.8;
 pub(super) const PERIOD_S: f32 = 0.1;
 /// Radius of a person, metres.
 pub(super) const PERSON_RADIUS_M: f32 = 0.3;
+
+/// How long each measure of recovery may take.
+pub(super) fn times_of(settings: &NavigationSettings) -> RecoveryTimes {
+    RecoveryTimes { help_s: settings.help_after_s, ..RecoveryTimes::DEFAULT }
+}
 
 /// What planners know of the robot.
 #[derive(Clone, Debug)]

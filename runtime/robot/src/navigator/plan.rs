@@ -4,11 +4,20 @@ use std::path::Path;
 
 use anyhow::Context;
 use floorguard_configuration::{NavigationConfiguration, NavigationPlanner};
-use floorguard_types::geometry::Pose2;
+use floorguard_mapping::{Grid, GridGeometry, Occupancy};
+use floorguard_types::geometry::{Point2, Pose2};
 use serde::{Deserialize, Serialize};
 
 use crate::cleaner::MapRuns;
 use crate::site::ros_map::{self, OccupancyMap};
+
+/// Finest cells of a map that is explored, metres.
+const EXPLORED_CELL_M: f32 = 0.05;
+/// Its cells along a side at most: what the planners can hold.
+const EXPLORED_CELLS_MAX: f32 = 1_000.0;
+/// A frontier is looked at from about here, metres, and in about its direction: the scanner sees three quarters of a circle.
+const VIEW_WITHIN_M: f32 = 0.5;
+const VIEW_WITHIN_RAD: f32 = 1.2;
 
 /// How to drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -64,6 +73,9 @@ pub struct NavigationPlan {
     pub goal: [f32; 3],
     /// Seed of all randomness.
     pub seed: u64,
+    /// The map is empty: the robot makes one, and chooses its goals itself until nothing that it can reach is unknown.
+    #[serde(default)]
+    pub explores: bool,
     map: MapRuns,
 }
 
@@ -73,7 +85,28 @@ impl NavigationPlan {
     pub fn on_map(settings: NavigationSettings, journey: Journey, (map, seed): (&OccupancyMap, u64)) -> Self {
         let numbers = |pose: Pose2| [pose.x_m, pose.y_m, pose.heading_rad];
         let (start, goal) = (numbers(journey.start_in_map), numbers(journey.goal_in_map));
-        Self { settings, start, goal, seed, map: MapRuns::of(map) }
+        Self { settings, start, goal, seed, explores: false, map: MapRuns::of(map) }
+    }
+
+    /// From a pose on over floor of which nothing is known, as far as a square of this side around it, metres.
+    ///
+    /// # Errors
+    /// The side makes no map.
+    pub fn exploring(
+        settings: NavigationSettings,
+        start_in_map: Pose2,
+        (side_m, seed): (f32, u64),
+    ) -> anyhow::Result<Self> {
+        let cell_m = EXPLORED_CELL_M.max(side_m / EXPLORED_CELLS_MAX);
+        let cells = u16::try_from((side_m / cell_m).ceil() as u32)?;
+        let corner = Point2::new(start_in_map.x_m - 0.5 * side_m, start_in_map.y_m - 0.5 * side_m);
+        let geometry = GridGeometry::new(cells, cells, cell_m, corner)
+            .with_context(|| format!("a square of {side_m} m makes no map"))?;
+        let map = Grid::new(geometry, vec![Occupancy::Unknown; geometry.cell_count()])?;
+        let journey = Journey { start_in_map, goal_in_map: start_in_map };
+        let settings =
+            NavigationSettings { within_m: VIEW_WITHIN_M, within_rad: VIEW_WITHIN_RAD, ..settings };
+        Ok(Self { explores: true, ..Self::on_map(settings, journey, (&map, seed)) })
     }
 
     /// Of a `[navigation]` in a robot.toml that lies in `folder`.

@@ -21,6 +21,8 @@ pub enum NavigationPhase {
     Driving,
     /// At the goal.
     Reached,
+    /// Nothing that can be reached is unknown any more.
+    Explored,
     /// A person is needed: it stands obstructed for too long.
     NeedsHelp,
     /// The goal cannot be reached on this map, whatever moves on it.
@@ -35,6 +37,7 @@ impl NavigationPhase {
             Self::Starting => "starting",
             Self::Driving => "driving",
             Self::Reached => "reached",
+            Self::Explored => "explored",
             Self::NeedsHelp => "needs help",
             Self::Unreachable => "unreachable",
         }
@@ -43,7 +46,13 @@ impl NavigationPhase {
     /// Nothing more comes of it by itself.
     #[must_use]
     pub const fn is_over(self) -> bool {
-        matches!(self, Self::Reached | Self::NeedsHelp | Self::Unreachable)
+        self.has_ended() || matches!(self, Self::NeedsHelp)
+    }
+
+    /// The robot drives no more. One that needs help goes on trying.
+    #[must_use]
+    pub const fn has_ended(self) -> bool {
+        matches!(self, Self::Reached | Self::Explored | Self::Unreachable)
     }
 }
 
@@ -54,6 +63,19 @@ pub struct CostmapImage {
     pub geometry: GridGeometry,
     /// Along x first.
     pub cells: Vec<i8>,
+}
+
+/// How far an exploration is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExplorationProgress {
+    /// Floor that is known, square metres.
+    pub known_m2: f32,
+    /// Frontiers that a way leads to.
+    pub frontiers: usize,
+    /// Frontiers that were given up, or that no way leads to.
+    pub left_out: usize,
+    /// Goals so far.
+    pub goals: u32,
 }
 
 /// A drive at a moment.
@@ -83,6 +105,8 @@ pub struct NavigationProgress {
     pub plans: u32,
     /// How often each measure of recovery was taken.
     pub measures: BTreeMap<&'static str, u32>,
+    /// What is left to explore; none on a known map.
+    pub exploration: Option<ExplorationProgress>,
     /// The costmap around the robot; the newest one that was made.
     pub costmap: Option<Arc<CostmapImage>>,
 }

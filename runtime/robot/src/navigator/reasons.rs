@@ -5,6 +5,7 @@ use floorguard_navigation::recovery::{Measure, RecoveryStep};
 use floorguard_runtime::tasks::MissionMoment;
 
 use super::drive::{Navigator, is_standing};
+use super::exploring::Exploring;
 use super::progress::NavigationPhase;
 
 /// Why the robot stands. Everything that the drive can do about it has a name here; a robot that stands for no such reason is at
@@ -19,6 +20,8 @@ pub enum StandingReason {
     Guard(Option<Cause>),
     /// It does something about an obstruction.
     Recovery(RecoveryStep),
+    /// It is where a frontier is in sight, and waits for the scans that show more.
+    Looking,
     /// It is at its goal, or was given up.
     Ended,
 }
@@ -44,6 +47,7 @@ impl std::fmt::Display for StandingReason {
                 Some(obstruction) => write!(f, "{}: {obstruction}", step.measure.words()),
                 None => write!(f, "{}", step.measure.words()),
             },
+            Self::Looking => write!(f, "looks at what lies beyond known floor"),
             Self::Ended => write!(f, "the drive has ended"),
         }
     }
@@ -56,7 +60,7 @@ impl Navigator {
         let is_asked = !is_standing(self.requested);
         match (self.phase, self.step) {
             _ if moment.is_paused => Some(StandingReason::Paused),
-            (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
+            (phase, _) if phase.has_ended() => Some(StandingReason::Ended),
             (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
                 Some(StandingReason::Recovery(step))
             }
@@ -66,6 +70,7 @@ impl Navigator {
                     .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
             ),
             (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
+            _ if self.exploring.as_ref().is_some_and(Exploring::looks) => Some(StandingReason::Looking),
             _ => None,
         }
     }

@@ -7,6 +7,7 @@ use floorguard_runtime::tasks::MissionMoment;
 use floorguard_types::motion::Waypoint;
 
 use super::drive::Navigator;
+use super::exploring::Exploring;
 use super::progress::{CostmapImage, NavigationPhase, NavigationProgress};
 
 /// Progress is made known this often, seconds.
@@ -45,15 +46,22 @@ impl Navigator {
             distance_m: self.senses.distance_m,
             plans: self.plans,
             measures: self.measures.clone(),
+            exploration: self.exploring.as_ref().map(|exploring| exploring.progress),
             costmap: self.costmap.clone(),
         }
     }
 
     fn words(&self, left_m: Option<f32>) -> String {
         match (self.phase, self.failure, &self.standing) {
+            (NavigationPhase::Explored, ..) => {
+                self.exploring.as_ref().map(Exploring::words).unwrap_or_default()
+            }
             (NavigationPhase::Reached, ..) => "the goal is reached".to_owned(),
             (NavigationPhase::Unreachable, Some(failure), _) => format!("{failure}, by the map alone"),
             (_, _, Some(standing)) => standing.to_string(),
+            _ if self.exploring.is_some() => {
+                format!("drives to where it sees more, {:.1} m left", left_m.unwrap_or(0.0))
+            }
             _ => format!("drives to the goal, {:.1} m left", left_m.unwrap_or(0.0)),
         }
     }

@@ -1,7 +1,6 @@
 //! What the drive learns: where the robot is on the map, what stands around, and who walks.
 
 use floorguard_guard::FUTURE_TOLERANCE_US;
-use floorguard_mapping::{DirtCell, Grid};
 use floorguard_navigation::costmap::Beam;
 use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -9,12 +8,13 @@ use floorguard_runtime::shared::{PeopleReport, PersonReport, StampedPose};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::MovingPerson;
-use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::{Age, Stamp};
 
+use super::place::Place;
 use super::plan::NavigationPlan;
-use crate::site::{Floor, Localiser, RecentPoses, ends_of, scrubber};
+use super::survey::{SharedSurvey, SurveyScan, in_map, locked};
+use crate::site::{RecentPoses, ends_of};
 
 /// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
 const RETRY_S: f32 = 0.2;
@@ -33,8 +33,7 @@ const FADES_S: f32 = 1.0;
 
 /// Pose, scans and people.
 pub(super) struct Senses {
-    floor: Floor,
-    localiser: Localiser,
+    place: Place,
     scanner_in_base: Pose2,
     poses: RecentPoses,
     odometry: StampedPose,
@@ -46,26 +45,27 @@ pub(super) struct Senses {
 }
 
 impl Senses {
-    /// At the start of a plan, on its map.
+    /// At the start of a plan, on its map, or with the map that is to be made.
     ///
     /// # Errors
     /// The map has no floor for this robot.
     pub(super) fn new(
         plan: &NavigationPlan,
         robot: &RobotConfiguration,
-        radius_m: f32,
+        (radius_m, survey): (f32, Option<&SharedSurvey>),
     ) -> anyhow::Result<Self> {
-        let mut floor = Floor::new("navigation", plan.occupancy()?, radius_m)?;
-        floor.start = plan.start_pose();
-        // The belief of the cleaning mission, on a floor where nothing is dirty: it keeps the pose alone.
-        let cells = Grid::new(floor.cells, vec![DirtCell::CLEAN; floor.cells.cell_count()])?;
-        let mut localiser = Localiser::new(&floor, scrubber::belief(5), cells, Pcg32::new(plan.seed, 73));
-        localiser.brush_turns = false;
         let mounting = robot.scanner.mounting;
+        let scanner_in_base = Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad);
+        let place = match survey {
+            Some(survey) => {
+                locked(survey).mount(scanner_in_base);
+                Place::Surveyed(survey.clone())
+            }
+            None => Place::on_map(plan, radius_m)?,
+        };
         Ok(Self {
-            floor,
-            localiser,
-            scanner_in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
+            place,
+            scanner_in_base,
             poses: RecentPoses::default(),
             odometry: StampedPose::default(),
             people: Vec::new(),
@@ -77,7 +77,7 @@ impl Senses {
 
     /// Where the robot is believed to be now, map frame.
     pub(super) fn pose(&self) -> Pose2 {
-        self.localiser.pose(self.odometry.pose_in_odometry)
+        self.place.pose(self.odometry.pose_in_odometry)
     }
 
     /// Where the odometry frame lies in the map frame.
@@ -91,8 +91,8 @@ impl Senses {
     }
 
     /// The pose explains what the scanner sees.
-    pub(super) const fn is_trusted(&self) -> bool {
-        self.localiser.is_trusted()
+    pub(super) fn is_trusted(&self) -> bool {
+        self.place.is_trusted()
     }
 
     /// A pose of the odometry.
@@ -120,41 +120,91 @@ impl Senses {
     /// A scan: it corrects the pose, and gives what stands around, with the sensor's place in the map frame.
     pub(super) fn see(&mut self, scan: &Scan, now_s: f32) -> (Point2, Vec<Beam>) {
         let odometry = self.odometry_at(scan.stamp);
-        let is_lost = !self.localiser.is_trusted();
-        if self.localiser.is_due(odometry) || (is_lost && now_s >= self.next_retry_s) {
+        self.correct_place(scan, (odometry, now_s));
+        let scanner = self.place.pose(odometry).compose(self.scanner_in_base);
+        let beams = self.beams(scan, (odometry, now_s));
+        let beams = beams.into_iter().map(|beam| in_map(scanner, beam)).collect();
+        (Point2::new(scanner.x_m, scanner.y_m), beams)
+    }
+
+    /// The place after a scan.
+    fn correct_place(&mut self, scan: &Scan, (odometry, now_s): (Pose2, f32)) {
+        let is_lost = !self.place.is_trusted();
+        let is_late = is_lost && now_s >= self.next_retry_s;
+        let is_due = match &self.place {
+            Place::Known(known) => known.1.is_due(odometry) || is_late,
+            Place::Surveyed(survey) => {
+                let beams = self.beams(scan, (odometry, now_s));
+                let beams = beams.into_iter().map(|beam| self.without_people(beam, (odometry, now_s)));
+                let taken = SurveyScan { scan, base_in_odometry: odometry, beams: beams.collect() };
+                locked(survey).take(taken);
+                false
+            }
+        };
+        if is_due {
             self.next_retry_s = now_s + RETRY_S;
             let interval = if is_lost { BEAM_INTERVAL / 3 } else { BEAM_INTERVAL };
-            let guess = self.localiser.pose(odometry);
+            let guess = self.place.pose(odometry);
             let is_no_wall = |end: &Point2| {
                 self.is_near_person(odometry.transform(*end), PERSON_M, now_s)
-                    || self.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
+                    || self.place.is_middle_of_floor(guess.transform(*end), MIDDLE_M)
             };
             let ends = ends_of(scan, interval).map(|end| self.scanner_in_base.transform(end));
             let matched: Vec<Point2> = ends.filter(|end| !is_no_wall(end)).collect();
-            self.localiser.update(&self.floor, odometry, &matched, false);
+            if let Place::Known(known) = &mut self.place {
+                let (floor, localiser) = known.as_mut();
+                localiser.update(floor, odometry, &matched, false);
+            }
         }
-        let scanner = self.localiser.pose(odometry).compose(self.scanner_in_base);
-        let beams = (0..scan.beams.len()).map(|beam| self.beam((scan, beam), (scanner, odometry), now_s));
-        (Point2::new(scanner.x_m, scanner.y_m), beams.collect())
     }
 
-    /// A beam in the map frame.
-    fn beam(&self, (scan, beam): (&Scan, usize), (scanner, odometry): (Pose2, Pose2), now_s: f32) -> Beam {
-        let place = |range_mm: u16| {
-            let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
-            let range_m = f32::from(range_mm) * 1.0e-3;
-            let (sin, cos) = libm::sincosf(angle_rad);
-            Point2::new(range_m * cos, range_m * sin)
-        };
-        match scan.beams.get(beam) {
-            Some(BeamReturn::Hit(range_mm)) => {
-                let end = place(*range_mm);
-                let in_odometry = odometry.transform(self.scanner_in_base.transform(end));
-                let end = scanner.transform(end);
-                if self.is_near_walker(in_odometry, now_s) { Beam::Free(end) } else { Beam::Hit(end) }
+    /// All kept scans again, where a map is made and was corrected since the last call.
+    pub(super) fn take_redrawn(&mut self) -> Option<Vec<(Point2, Vec<Beam>)>> {
+        match &self.place {
+            Place::Known(_) => None,
+            Place::Surveyed(survey) => locked(survey).take_redrawn(),
+        }
+    }
+
+    /// All kept scans, where a map is made.
+    pub(super) fn redrawn(&self) -> Option<Vec<(Point2, Vec<Beam>)>> {
+        match &self.place {
+            Place::Known(_) => None,
+            Place::Surveyed(survey) => Some(locked(survey).redrawn()),
+        }
+    }
+
+    /// The beams in the scanner's frame. Who walks is passed through.
+    fn beams(&self, scan: &Scan, (odometry, now_s): (Pose2, f32)) -> Vec<Beam> {
+        let scanner = odometry.compose(self.scanner_in_base);
+        let of = |(beam, seen): (usize, &BeamReturn)| {
+            let place = |range_mm: u16| {
+                let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
+                let range_m = f32::from(range_mm) * 1.0e-3;
+                let (sin, cos) = libm::sincosf(angle_rad);
+                Point2::new(range_m * cos, range_m * sin)
+            };
+            match seen {
+                BeamReturn::Hit(range_mm) => {
+                    let end = place(*range_mm);
+                    let is_walker = self.is_near_walker(scanner.transform(end), now_s);
+                    if is_walker { Beam::Free(end) } else { Beam::Hit(end) }
+                }
+                BeamReturn::Free(range_mm) => Beam::Free(place(*range_mm)),
+                _ => Beam::Unknown,
             }
-            Some(BeamReturn::Free(range_mm)) => Beam::Free(scanner.transform(place(*range_mm))),
-            _ => Beam::Unknown,
+        };
+        scan.beams.iter().enumerate().map(of).collect()
+    }
+
+    /// A beam that ends near somebody is no part of a map.
+    fn without_people(&self, beam: Beam, (odometry, now_s): (Pose2, f32)) -> Beam {
+        match beam {
+            Beam::Hit(end) => {
+                let in_odometry = odometry.transform(self.scanner_in_base.transform(end));
+                if self.is_near_person(in_odometry, PERSON_M, now_s) { Beam::Unknown } else { beam }
+            }
+            other => other,
         }
     }
 

@@ -1,12 +1,14 @@
 //! A drive to a goal with where it reports: what a world hands to the robot's tasks.
 
 use std::fmt;
+use std::sync::{Arc, Mutex};
 
 use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::drive::Navigator;
 use super::plan::NavigationPlan;
 use super::progress::SharedNavigationWatch;
+use super::survey::{SharedSurvey, Survey};
 
 /// A drive that is about to begin.
 #[derive(Clone)]
@@ -15,6 +17,8 @@ pub struct NavigationSetup {
     pub plan: NavigationPlan,
     /// Where it reports its progress.
     pub watch: SharedNavigationWatch,
+    /// The map that it makes, if it explores.
+    pub survey: Option<SharedSurvey>,
 }
 
 impl fmt::Debug for NavigationSetup {
@@ -27,7 +31,8 @@ impl NavigationSetup {
     /// With nothing reported yet.
     #[must_use]
     pub fn new(plan: NavigationPlan) -> Self {
-        Self { plan, watch: SharedNavigationWatch::default() }
+        let survey = plan.explores.then(|| Arc::new(Mutex::new(Survey::new(plan.start_pose()))));
+        Self { plan, watch: SharedNavigationWatch::default(), survey }
     }
 
     /// The drive of a robot.
@@ -35,6 +40,6 @@ impl NavigationSetup {
     /// # Errors
     /// The map has no floor for this robot, or is too large.
     pub fn begin(&self, robot: &RobotConfiguration) -> anyhow::Result<Navigator> {
-        Navigator::new(&self.plan, robot, self.watch.clone())
+        Navigator::new(self, robot)
     }
 }

@@ -35,6 +35,8 @@ enum Experiment {
     Candidates,
     /// Weekly patterns found again, predictions against a plain histogram, real tracks as heat maps.
     Environment,
+    /// Buildings explored from an empty map: our view points beside the published rules, and the best tour in hindsight.
+    Exploration,
     /// Dirt on six floors, published detector against ours; spills found by the map.
     Dirt,
     /// People in depth pictures of simulated rooms, both profiles.
@@ -63,6 +65,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Crowds => ("crowds", 5),
         Experiment::Candidates => ("candidates", 30),
         Experiment::Environment => ("environment", 20),
+        Experiment::Exploration => ("exploration", 1),
         Experiment::Dirt => ("dirt", 4),
         Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
