@@ -22,6 +22,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod any_scanner;
 pub mod clusters;
 pub mod floor;
 pub mod legs;

@@ -2,9 +2,10 @@
 
 use heapless::Vec;
 
+use super::cues::{PlaceEvidence, leg_cues};
 use super::features::leg_features;
 use super::segments::SegmentsOf;
-use super::stumps::{leg_score, leg_score_near_floor};
+use super::stumps::{KnownPlaces, leg_score, leg_score_near_floor};
 use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{nearest_f32, truncating_u16};
@@ -114,6 +115,16 @@ impl<P: Profile> LegDetectorOf<P> {
     /// Takes in a scan. The map tells of a point of the sensor's frame whether something stands there, which is then no
     /// leg; `None` where no map is known.
     pub fn process(&mut self, scan: &ScanOf<P>, map: Option<impl Fn(Point2) -> bool>) -> LegOutput<'_> {
+        self.process_by(scan, map, |_| None)
+    }
+
+    /// The same by what earlier scans showed at the places of the segments, too, points of the sensor's frame.
+    pub fn process_by(
+        &mut self,
+        scan: &ScanOf<P>,
+        map: Option<impl Fn(Point2) -> bool>,
+        evidence: impl Fn(&[Point2]) -> Option<PlaceEvidence>,
+    ) -> LegOutput<'_> {
         self.segments.cut(scan, self.limits.gap_m);
         self.legs.clear();
         let (mut examined, mut dropped) = (0_u32, 0_u32);
@@ -126,9 +137,12 @@ impl<P: Profile> LegDetectorOf<P> {
             }
             let Some(features) = leg_features(&segment) else { continue };
             examined = examined.saturating_add(1);
-            let score = match self.near_floor && map.is_none() {
-                true => leg_score_near_floor(&features),
-                false => leg_score(&features, map.is_some()),
+            let score = if self.near_floor && map.is_none() {
+                leg_score_near_floor(&features)
+            } else {
+                let place = evidence(segment.points);
+                let known = KnownPlaces { map: map.is_some(), before: place.is_some() };
+                leg_score(&leg_cues(&features, place), known)
             };
             if score < self.limits.score_min || map.as_ref().is_some_and(|knows| knows(position)) {
                 continue;

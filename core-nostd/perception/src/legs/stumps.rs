@@ -1,7 +1,8 @@
 //! A committee of single comparisons (AdaBoost on decision stumps). Source: book, Legs: Committees.
 
+use super::cues::LegCues;
 use super::features::LegFeatures;
-use super::leg_table::{NEAR_FLOOR, WITH_MAP, WITHOUT_MAP};
+use super::leg_table::{NEAR_FLOOR, WITH_MAP, WITH_MAP_AND_PLACES, WITH_PLACES, WITHOUT_MAP};
 
 /// One comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,18 +25,38 @@ pub fn score(stumps: &[Stump], features: &[f32]) -> f32 {
     stumps.iter().map(vote).sum()
 }
 
-/// Sum of the votes of this build's committee; above 0 it is a leg. The probability is the logistic of twice the sum
-/// (Friedman et al. 2000). Furniture that a map explains is not asked about, so one committee knows people's legs among
-/// what moves, the other among everything.
+/// What is known of the places of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct KnownPlaces {
+    /// A map explains furniture, which is not asked about.
+    pub map: bool,
+    /// Earlier scans showed what stood at the place and what was seen through.
+    pub before: bool,
+}
+
+/// Sum of the votes of this build's committee for what is known; above 0 it is a leg. The probability is the logistic of
+/// twice the sum (Friedman et al. 2000).
 #[must_use]
-pub fn leg_score(features: &LegFeatures, map_known: bool) -> f32 {
-    score(if map_known { &WITH_MAP } else { &WITHOUT_MAP }, features)
+pub fn leg_score(cues: &LegCues, known: KnownPlaces) -> f32 {
+    let committee: &[Stump] = match (known.map, known.before) {
+        (true, true) => &WITH_MAP_AND_PLACES,
+        (true, false) => &WITH_MAP,
+        (false, true) => &WITH_PLACES,
+        (false, false) => &WITHOUT_MAP,
+    };
+    score(committee, cues)
 }
 
 /// The same for a coarse scanner near the floor, where two legs are often one segment, and without a map.
 #[must_use]
 pub fn leg_score_near_floor(features: &LegFeatures) -> f32 {
     score(&NEAR_FLOOR, features)
+}
+
+/// The committee of [`leg_score_near_floor`], so that a table with other committees can be written around it.
+#[must_use]
+pub fn near_floor_committee() -> &'static [Stump] {
+    &NEAR_FLOOR
 }
 
 #[cfg(test)]

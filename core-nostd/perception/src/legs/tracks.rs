@@ -11,7 +11,7 @@ use floorguard_types::time::{Age, Stamp};
 
 /// Legs followed at once.
 pub const LEG_TRACKS_MAX: usize = 64;
-/// Reliability that a leg of a person needs.
+/// Reliability that a leg of a person needs, as published.
 const RELIABILITY_MIN: f32 = 0.7;
 /// A leg that nobody saw for this long is given up, µs.
 const TIMEOUT_US: u64 = 500_000;
@@ -53,6 +53,17 @@ pub struct PersonByLegs {
     pub legs: [u32; 2],
 }
 
+/// Two legs that were both seen in one scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenPair {
+    /// Middle between them.
+    pub middle: Point2,
+    /// From one to the other, metres.
+    pub distance_m: f32,
+    /// The scan.
+    pub stamp: Stamp,
+}
+
 impl PersonByLegs {
     /// Standard deviation of the position, metres (covariance (0.3 / reliability)²).
     #[must_use]
@@ -79,6 +90,8 @@ impl PersonByLegs {
 /// The legs of one scanner, in a fixed frame.
 #[derive(Clone, Debug)]
 pub struct LegTracker {
+    /// Reliability that a leg of a person needs.
+    reliability_min: f32,
     tracks: Vec<LegTrack, LEG_TRACKS_MAX>,
     next_id: u32,
     now: Option<Stamp>,
@@ -98,7 +111,13 @@ impl LegTracker {
     /// Nobody yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { tracks: Vec::new(), next_id: 1, now: None, dropped: 0, late: 0 }
+        Self::with_reliability(RELIABILITY_MIN)
+    }
+
+    /// Nobody yet; a leg of a person needs this reliability, 0…1.
+    #[must_use]
+    pub const fn with_reliability(reliability_min: f32) -> Self {
+        Self { reliability_min, tracks: Vec::new(), next_id: 1, now: None, dropped: 0, late: 0 }
     }
 
     /// The legs, oldest first.
@@ -172,9 +191,24 @@ impl LegTracker {
     }
 
     /// One at least of two legs was seen in the newest scan.
-    pub(super) fn is_seen_now(&self, legs: [u32; 2]) -> bool {
+    #[must_use]
+    pub fn is_seen_now(&self, legs: [u32; 2]) -> bool {
         let mut seen = self.tracks.iter().filter(|track| Some(track.last_seen) == self.now);
         seen.any(|track| legs.contains(&track.id))
+    }
+
+    /// Two legs as they are, if both were seen in the newest scan.
+    #[must_use]
+    pub fn seen_pair(&self, legs: [u32; 2]) -> Option<SeenPair> {
+        let stamp = self.now?;
+        let place = |id: u32| {
+            let mut seen = self.tracks.iter().filter(|track| track.last_seen == stamp);
+            seen.find(|track| track.id == id).map(|track| track.state.position)
+        };
+        let [one, other] = legs;
+        let (one, other) = (place(one)?, place(other)?);
+        let middle = Point2::new(0.5 * (one.x_m + other.x_m), 0.5 * (one.y_m + other.y_m));
+        Some(SeenPair { middle, distance_m: one.distance(other), stamp })
     }
 
     /// Pairs legs into people, the closest two first; hands out each person.
@@ -183,14 +217,14 @@ impl LegTracker {
         for _ in 0..LEG_TRACKS_MAX / 2 {
             let mut closest: Option<(f32, usize, usize)> = None;
             for (row, (one, used)) in self.tracks.iter().zip(taken).enumerate() {
-                if used || one.reliability <= RELIABILITY_MIN {
+                if used || one.reliability <= self.reliability_min {
                     continue;
                 }
                 for (column, (other, used)) in
                     self.tracks.iter().zip(taken).enumerate().skip(row.saturating_add(1))
                 {
                     let distance_m = one.state.position.distance(other.state.position);
-                    let fits = !used && other.reliability > RELIABILITY_MIN && distance_m < SEPARATION_M;
+                    let fits = !used && other.reliability > self.reliability_min && distance_m < SEPARATION_M;
                     if fits && closest.is_none_or(|(nearest_m, ..)| distance_m < nearest_m) {
                         closest = Some((distance_m, row, column));
                     }

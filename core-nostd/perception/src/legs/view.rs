@@ -8,7 +8,7 @@ use floorguard_types::profile::{Native, Profile};
 use floorguard_types::sensing::ScanOf;
 
 /// Farther away a leg has too few returns to be recognised with some certainty, metres: three at 0.5° on 0.1 m.
-const RECOGNISED_M: f32 = 4.0;
+pub const LEGS_RECOGNISED_M: f32 = 4.0;
 
 /// Legs of one scanner, and the people they belong to.
 #[derive(Clone, Debug)]
@@ -63,7 +63,7 @@ impl<P: Profile> PeopleByLegsOf<P> {
         let Self { tracker, view, dropped, .. } = self;
         view.stamp = scan.stamp;
         view.detections.clear();
-        view.open.measure(scan, sensor_in_odom, RECOGNISED_M);
+        view.open.measure(scan, sensor_in_odom, LEGS_RECOGNISED_M);
         let sensor = Point2::new(sensor_in_odom.x_m, sensor_in_odom.y_m);
         tracker.people(|person| {
             // Pairs that are only remembered are no sighting.

@@ -19,6 +19,7 @@ mod rgbd_picture;
 pub mod roc;
 mod svm;
 mod tracks;
+mod walker;
 
 pub use clusters::{ClustersReport, clusters};
 pub use curve::draw_legs;
@@ -34,3 +35,4 @@ pub use people::{FalsePeopleReport, false_people};
 pub use rgbd_people::{RgbdAccount, RgbdPersonReport, RgbdPictureReport, RgbdReport, RgbdTask, rgbd_people};
 pub use svm::{SvmReport, svm};
 pub use tracks::{TracksReport, tracks};
+pub use walker::{WalkerReport, walker};

@@ -1,6 +1,7 @@
 //! Segments of labelled scans, with the truth about them.
 
-use floorguard_perception::legs::{LEG_FEATURES, LegFeatures, LegLimits, Segment, Segments, leg_features};
+use floorguard_perception::any_scanner::Places;
+use floorguard_perception::legs::{LEG_CUES, LegCues, LegLimits, Segment, Segments, leg_cues, leg_features};
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{BeamReturn, Scan};
@@ -44,11 +45,13 @@ pub fn coarser(scan: &Scan, step: usize) -> Scan {
 #[derive(Clone, Copy, Debug)]
 pub struct LegSample {
     /// Numbers and truth.
-    pub sample: Sample<LEG_FEATURES>,
+    pub sample: Sample<LEG_CUES>,
     /// The same object in another room: what is behind it is somewhere else.
-    pub elsewhere: Sample<LEG_FEATURES>,
+    pub elsewhere: Sample<LEG_CUES>,
     /// Furniture of the map.
     pub known: bool,
+    /// Earlier scans showed what was at its place.
+    pub place_known: bool,
 }
 
 /// Labels reach this far, metres; beyond it a leg may be there or not (and has too few returns, see the book,
@@ -60,7 +63,7 @@ pub fn leg_samples(
     labelled: &LabelledScan,
     scan: &Scan,
     segments: &mut Segments,
-    map: Option<&StandingMap>,
+    (map, places): (Option<&StandingMap>, Option<&Places>),
 ) -> (Vec<LegSample>, usize) {
     let limits = LegLimits::DEFAULT;
     segments.cut(scan, limits.gap_m);
@@ -80,9 +83,11 @@ pub fn leg_samples(
             free.swap_remove(label);
         }
         let known = map.is_some_and(|map| map.knows(middle));
+        let evidence = places.and_then(|places| places.evidence(segment.points));
+        let cues = leg_cues(&features, evidence);
         let sample = |features| Sample { features, positive: label.is_some() };
-        let elsewhere = sample(with_another_wall(features, &segment, &mut random));
-        samples.push(LegSample { sample: sample(features), elsewhere, known });
+        let elsewhere = sample(with_another_wall(cues, &segment, &mut random));
+        samples.push(LegSample { sample: sample(cues), elsewhere, known, place_known: evidence.is_some() });
     }
     (samples, free.len())
 }
@@ -96,14 +101,14 @@ fn hit_sum(scan: &Scan) -> u64 {
 /// Puts a wall somewhere behind the segment. The recorder dropped what it was not sure of, so that four of five legs
 /// have no return beside them and a jump of 0, while objects before a wall are furniture: a committee of these
 /// recordings alone finds no leg in a hall. What is nearer than the segment or just beside it stays as it is.
-fn with_another_wall(mut features: LegFeatures, segment: &Segment<'_>, random: &mut Pcg32) -> LegFeatures {
+fn with_another_wall(mut cues: LegCues, segment: &Segment<'_>, random: &mut Pcg32) -> LegCues {
     let ends = [(segment.points.first(), segment.previous), (segment.points.last(), segment.next)];
-    for (jump_m, (end, beside)) in features[JUMPS].iter_mut().zip(ends) {
+    for (jump_m, (end, beside)) in cues[JUMPS].iter_mut().zip(ends) {
         let wall_m = random.uniform_between(BACKGROUND_MIN_M, BACKGROUND_MAX_M);
         let behind_m = end.zip(beside).map(|(end, beside)| beside.norm() - end.norm());
         if behind_m.is_none_or(|behind_m| behind_m > BACKGROUND_MIN_M) {
             *jump_m = wall_m;
         }
     }
-    features
+    cues
 }

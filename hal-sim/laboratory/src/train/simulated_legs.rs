@@ -4,7 +4,7 @@
 //! 0.15 m and 0.5°: two legs are often one segment, and tables and trolleys have legs, too.
 
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
-use floorguard_perception::legs::{LEG_FEATURES, LegLimits, Segment, Segments, leg_features};
+use floorguard_perception::legs::{LEG_CUES, LegLimits, Segment, Segments, leg_cues, leg_features};
 use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::simulation::Truth;
 use floorguard_sim::{Payload, Simulation, Stream};
@@ -29,7 +29,7 @@ const STEP_US: u64 = 5_000;
 
 /// Segments of the scans of some scenes, as the detector would look at them.
 #[must_use]
-pub fn simulated_leg_samples(scenes: &[SceneRun]) -> Vec<Sample<LEG_FEATURES>> {
+pub fn simulated_leg_samples(scenes: &[SceneRun]) -> Vec<Sample<LEG_CUES>> {
     let mut samples = Vec::new();
     let mut segments = Box::new(Segments::new());
     let limits = LegLimits::DEFAULT;
@@ -47,7 +47,7 @@ fn sample(
     segment: &Segment<'_>,
     limits: &LegLimits,
     (scanner, truth): (Pose2, &Truth),
-) -> Option<Sample<LEG_FEATURES>> {
+) -> Option<Sample<LEG_CUES>> {
     let (first, last) = (segment.points.first()?, segment.points.last()?);
     let count = segment.points.len() as f32;
     let sum = segment.points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.x_m, y + point.y_m));
@@ -55,7 +55,7 @@ fn sample(
     if middle.norm() > limits.range_max_m || first.distance(*last) > limits.width_max_m {
         return None;
     }
-    let features = leg_features(segment)?;
+    let features = leg_cues(&leg_features(segment)?, None);
     let place = scanner.transform(middle);
     let feet = truth.people.iter().flat_map(|person| &person.ground_discs);
     let mut feet = feet.filter(|(_, radius_m)| *radius_m < FOOT_MAX_M);

@@ -34,9 +34,10 @@ pub fn person_table(forest: &Forest, provenance: &[String]) -> String {
     text
 }
 
-/// The file `leg_table.rs`: committees for a known map, for none, and for a scanner near the floor.
+/// The file `leg_table.rs`: committees for a known map, for none, both once more for known places, and for a scanner near
+/// the floor.
 #[must_use]
-pub fn leg_table(committees: [&[Stump]; 3], provenance: &[String]) -> String {
+pub fn leg_table(committees: [&[Stump]; 5], provenance: &[String]) -> String {
     let mut text = String::from(
         "//! The committees of the leg detector. Written by `floorguard train legs`; not edited by hand.\n//!\n",
     );
@@ -47,6 +48,8 @@ pub fn leg_table(committees: [&[Stump]; 3], provenance: &[String]) -> String {
     let names = [
         ("WITH_MAP", "for segments that no map explains"),
         ("WITHOUT_MAP", "for all segments, without a map"),
+        ("WITH_MAP_AND_PLACES", "for segments that no map explains, at places that earlier scans showed"),
+        ("WITH_PLACES", "for all segments, at places that earlier scans showed"),
         ("NEAR_FLOOR", "for a coarse scanner near the floor, without a map"),
     ];
     for ((name, what), stumps) in names.into_iter().zip(committees) {

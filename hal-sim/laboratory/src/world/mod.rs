@@ -22,7 +22,7 @@ mod virtual_world;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};
 pub use floor_camera::SimulatedCamera;
-pub use observation::{Observation, SeenStop};
+pub use observation::{AdvisedPeople, Observation, SeenStop};
 pub use observer::{Observer, TRACKED_RANGE_M};
 pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use recorded_plan::{record_plan, record_plan_in_real_time};

@@ -26,6 +26,15 @@ pub struct SeenStop {
     pub speed_mps: f32,
 }
 
+/// People whom the guard was advised of at one moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AdvisedPeople {
+    /// End of the sweep, the robot's clock, microseconds.
+    pub at_us: u64,
+    /// How many.
+    pub count: usize,
+}
+
 /// What was seen of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
@@ -37,6 +46,8 @@ pub struct Observation {
     pub people_paths: std::collections::BTreeMap<u32, Vec<Point2>>,
     /// The robot's own list of people, five times a second.
     pub people_seen: Vec<PeopleSeen>,
+    /// Of how many people the guard was advised, each time it was.
+    pub advised: Vec<AdvisedPeople>,
     /// Every stop.
     pub stops: Vec<SeenStop>,
     /// What else held the robot than what began a stop, and what came of the resets.
@@ -62,6 +73,10 @@ pub struct Observation {
 }
 
 impl Observation {
+    pub(super) fn note_advice(&mut self, at_us: u64, count: usize) {
+        self.advised.push(AdvisedPeople { at_us, count });
+    }
+
     /// The distance between two moments, seconds since the start, as far as the run went: metres along the noted
     /// places.
     #[must_use]

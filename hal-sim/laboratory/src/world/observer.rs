@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_guard::{Cause, CauseRecord, Health};
+use floorguard_guard::{Cause, Health};
 use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
@@ -53,6 +53,7 @@ pub struct Observer<'a> {
     learns: bool,
     seen_people: u32,
     seen_status: u32,
+    seen_advice: u32,
     mot: MotAccumulator,
     pub(super) seen: Observation,
     traction_id: u16,
@@ -88,6 +89,7 @@ impl<'a> Observer<'a> {
             learns: plan.learning.is_some(),
             seen_people: 0,
             seen_status: 0,
+            seen_advice: 0,
             mot: MotAccumulator::new(),
             seen: Observation::default(),
             traction_id: 0x200 | u16::from(plan.robot.can.drive_node),
@@ -160,6 +162,9 @@ impl<'a> Observer<'a> {
             self.seen_status = status;
             self.digest.on_status(&report);
         }
+        if let Some(advice) = shared.advice.unseen(&mut self.seen_advice) {
+            self.seen.note_advice(advice.stamp.as_micros(), advice.people.len());
+        }
     }
 
     /// A moment of 10 ms in which the robot's computer is off.
@@ -169,7 +174,7 @@ impl<'a> Observer<'a> {
         self.judge.observe(simulation, (&self.truth_sampler.judged(simulation, &truth), 0.0));
         self.record_paths(truth.stamp.as_micros(), &truth);
         // A new life counts its publications from zero.
-        (self.seen_people, self.seen_status) = (0, 0);
+        (self.seen_people, self.seen_status, self.seen_advice) = (0, 0, 0);
     }
 
     /// A moment of 10 ms, and the stops that began since the one before.
@@ -258,7 +263,7 @@ impl<'a> Observer<'a> {
             let ready_for_s = if self.seen.ready_s.is_some() { STATUS_S } else { 0.0 };
             self.standing.held(status.decision.holding_cause, ready_for_s);
             if let Some(record) = status.decision.holding_cause {
-                *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
+                *self.seen.under_cause_s.entry(record.cause.to_string()).or_default() += STATUS_S;
             }
         }
         if self.seen.ready_s.is_some() {
@@ -302,7 +307,7 @@ impl<'a> Observer<'a> {
             at_s: stamp.as_micros() as f64 * 1.0e-6,
             position: Point2::new(truth.robot.x_m, truth.robot.y_m),
             cause: stop.cause.to_string(),
-            kind: kind_of(&stop.cause),
+            kind: stop.cause.cause.to_string(),
             speed_mps: stop.speed_mps,
         });
     }
@@ -392,9 +397,4 @@ impl<'a> Observer<'a> {
     pub const fn odometry_in_world(&self) -> Pose2 {
         self.odometry_in_world
     }
-}
-
-/// The cause without its numbers.
-fn kind_of(record: &CauseRecord) -> String {
-    record.cause.to_string()
 }

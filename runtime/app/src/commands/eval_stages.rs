@@ -36,6 +36,16 @@ pub enum RecordedStage {
         #[arg(long)]
         key: PathBuf,
     },
+    /// One person in the scans of a two-dimensional scanner that may move: seen, followed, confirmed.
+    Walker {
+        /// Lines of bag time (ns), time (s) and ranges, blank where nothing returned; the first line names the geometry.
+        #[arg(long)]
+        scans: PathBuf,
+        /// Lines of bag time (ns), id, x and y in the frame of the sensor. Without it every confirmed person counts as
+        /// another one.
+        #[arg(long)]
+        truth: Option<PathBuf>,
+    },
     /// Legs in labelled scans: each recording tested with a committee that learnt from the others.
     #[command(after_help = "Example:\n  floorguard eval legs --scans scans.csv --out pictures")]
     Legs {
@@ -161,6 +171,7 @@ pub(super) fn run(stage: &RecordedStage, json: bool) -> anyhow::Result<()> {
             }
             print(&report, json)
         }
+        RecordedStage::Walker { scans, truth } => print(&evaluate::walker(scans, truth.as_deref())?, json),
         RecordedStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, json),
         RecordedStage::People { file, key } => print(&evaluate::false_people(file, key.as_deref())?, json),
         RecordedStage::Dirt { folder, out } => print(&evaluate::dirt(folder, out.as_deref())?, json),

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use floorguard_perception::legs::LEG_FEATURES;
+use floorguard_perception::legs::{KnownPlaces, LEG_CUES, Stump, near_floor_committee};
 use floorguard_perception::people::shape::SHAPE_NAMES;
 use floorguard_sim::Scenario;
 
 use super::{BadInput, WrongUsage};
 use floorguard_laboratory::evaluate::{in_any_room, learn_legs, recordings, training_samples};
 use floorguard_laboratory::train::{
-    Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
-    leg_table, person_samples, person_table, quality, random_scenes, read_leg_scans, simulated_leg_samples,
-    stretched,
+    Boosting, Forest, LegSample, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online,
+    learn_place, leg_table, person_samples, person_table, quality, random_scenes, read_leg_scans,
+    simulated_leg_samples, stretched,
 };
 use floorguard_robot::learning::{
     anchors_file, anchors_fingerprint, load_weights, save_weights, shipped_anchors,
@@ -60,6 +60,9 @@ pub enum TrainWhat {
         /// Where the table goes.
         #[arg(long)]
         out: PathBuf,
+        /// Keep the committee for a scanner near the floor, which learns from simulated rooms, as this program has it.
+        #[arg(long)]
+        recorded_only: bool,
     },
 }
 
@@ -117,7 +120,7 @@ pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
         TrainWhat::People(arguments) => people(arguments),
         TrainWhat::Online(arguments) => online(arguments),
         TrainWhat::Anchors { scenes, count, out } => write_anchors(*scenes, *count, out),
-        TrainWhat::Legs { scans, out } => legs(scans, out),
+        TrainWhat::Legs { scans, out, recorded_only } => legs(scans, out, *recorded_only),
     }
 }
 
@@ -210,31 +213,47 @@ fn write_anchors(scenes: u64, count: usize, out: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
+fn legs(scans: &Path, out: &Path, recorded_only: bool) -> anyhow::Result<()> {
     let recordings = recordings(read_leg_scans(scans)?);
-    let samples = [true, false].map(|with_map| training_samples(recordings.iter(), with_map));
-    // Half recorded, half simulated: what is learnt must not depend on the appearance of one source alone.
-    let mut near_floor = simulated_leg_samples(&random_scenes(0, LEG_SCENES));
-    near_floor.extend(simulated_leg_samples(&built_in_scenes(0, LEG_SCENES)));
-    let simulated = near_floor.len();
-    let recorded = samples[1].iter().map(|each| each.sample);
-    near_floor.extend(recorded.step_by((samples[1].len() / simulated.max(1)).max(1)));
-    let samples = samples.map(|each| in_any_room(&each));
-    let [with_map, without_map] = samples.each_ref().map(|samples| learn_legs(samples));
-    let learnt_near_floor = learn_legs(&near_floor);
-    let count = |samples: &[Sample<LEG_FEATURES>]| {
-        let positives = samples.iter().filter(|sample| sample.positive).count();
-        format!("{positives} legs among {} segments", samples.len())
+    let learnt_from = |map, before| training_samples(recordings.iter(), KnownPlaces { map, before });
+    let kinds = [(true, false), (false, false), (true, true), (false, true)];
+    let samples = kinds.map(|(map, before)| in_any_room(&learnt_from(map, before)));
+    let [with_map, without_map, with_both, with_places] =
+        samples.each_ref().map(|samples| learn_legs(samples));
+    let (learnt_near_floor, near_floor) = if recorded_only {
+        (near_floor_committee().to_vec(), "as it was before, from recorded and simulated scans".to_owned())
+    } else {
+        learn_near_floor(&learnt_from(false, false))
     };
     let sources: Vec<&str> = recordings.iter().map(|each| each.source.as_str()).collect();
     let provenance = [
         format!("From the labelled recordings {}, each scan as it is", sources.join(", ")),
-        format!("and with every second beam. With a map: {};", count(&samples[0])),
-        format!("without: {}.", count(&samples[1])),
-        format!("Near the floor: {}, of which {simulated} come from simulated scans.", count(&near_floor)),
+        format!("and with every second beam. With a map: {};", count_of(&samples[0])),
+        format!("without: {}. At places that earlier scans", count_of(&samples[1])),
+        format!("showed, with a map: {}; without:", count_of(&samples[2])),
+        format!("{}.", count_of(&samples[3])),
+        format!("Near the floor: {near_floor}."),
     ];
-    std::fs::write(out, leg_table([&with_map, &without_map, &learnt_near_floor], &provenance))
+    let committees: [&[Stump]; 5] = [&with_map, &without_map, &with_both, &with_places, &learnt_near_floor];
+    std::fs::write(out, leg_table(committees, &provenance))
         .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
+}
+
+/// Half recorded, half simulated: what is learnt must not depend on the appearance of one source alone. With a word on
+/// what it learnt from.
+fn learn_near_floor(recorded: &[LegSample]) -> (Vec<Stump>, String) {
+    let mut samples = simulated_leg_samples(&random_scenes(0, LEG_SCENES));
+    samples.extend(simulated_leg_samples(&built_in_scenes(0, LEG_SCENES)));
+    let simulated = samples.len();
+    let every = (recorded.len() / simulated.max(1)).max(1);
+    samples.extend(recorded.iter().map(|each| each.sample).step_by(every));
+    let words = format!("{}, of which {simulated} come from simulated scans", count_of(&samples));
+    (learn_legs(&samples), words)
+}
+
+fn count_of(samples: &[Sample<LEG_CUES>]) -> String {
+    let positives = samples.iter().filter(|sample| sample.positive).count();
+    format!("{positives} legs among {} segments", samples.len())
 }
 
 /// Simulated scenes of either kind in which legs are learnt.

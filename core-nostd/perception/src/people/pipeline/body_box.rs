@@ -147,13 +147,9 @@ impl<P: Profile> PeoplePipelineOf<P> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::seen_by_vlp16::{SENSOR_M, seen, standing};
     use super::*;
-    use crate::clusters::RingAngles;
-    use crate::people::PeoplePipeline;
-    use floorguard_types::geometry::{Pose2, Transform3, Twist2};
-    use floorguard_types::sensing::Sweep;
 
-    const SENSOR_M: f32 = 0.8;
     /// Farther than what belongs together.
     const FOOT_AHEAD_M: f32 = 0.3;
 
@@ -175,25 +171,8 @@ mod tests {
 
     #[test]
     fn customer_box_ends_at_the_trolley() {
-        let mut sweep = std::boxed::Box::new(Sweep::EMPTY);
-        sweep.column_count = 1_800;
-        for (index, column) in sweep.columns.iter_mut().enumerate().take(1_800) {
-            (column.azimuth_cdeg, column.measured) = (20 * index as u16, true);
-            let bearing = -(0.2 * index as f32).to_radians();
-            for (ring, raw) in column.range_raw.iter_mut().enumerate() {
-                let ahead = libm::cosf(bearing) > 0.9;
-                let elevation = (2.0 * ring as f32 - 15.0).to_radians();
-                *raw = if ahead { (range_m(bearing, elevation) * 500.0) as u16 } else { 0 };
-            }
-        }
-        let translation = Point3::new(0.0, 0.0, SENSOR_M);
-        let context = SweepContext {
-            sensor_in_base: Transform3 { translation, ..Transform3::IDENTITY },
-            twist: Twist2::ZERO,
-            base_in_odom: Pose2::default(),
-        };
-        let mut pipeline = std::boxed::Box::new(PeoplePipeline::new(RingAngles::vlp16()));
-        pipeline.process(&sweep, &context);
+        let (pipeline, sweep) = seen(range_m);
+        let context = standing();
         assert_eq!(pipeline.detections().len(), 1, "{:?}", pipeline.detections());
         let cluster = pipeline.clusters().iter().max_by_key(|cluster| cluster.points).expect("two clusters");
         let (whole_low, whole) = (cluster.lower, cluster.upper);

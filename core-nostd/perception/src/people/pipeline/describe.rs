@@ -78,44 +78,23 @@ fn is_same_surface([lower, upper]: [u16; 2], [lower_cos, upper_cos]: [f32; 2], g
 
 #[cfg(test)]
 mod tests {
+    use super::super::seen_by_vlp16::{SENSOR_M, seen};
     use super::*;
-    use crate::clusters::RingAngles;
-    use crate::people::PeoplePipeline;
-    use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
-    use floorguard_types::sensing::Sweep;
 
-    const SENSOR_M: f32 = 0.8;
     /// Where the object stands, and the wall behind it.
     const OBJECT_M: f32 = 6.0;
     const WALL_M: f32 = 6.35;
 
     /// What surrounds an object 0.45 m broad that is so high, 0.35 m before a wall that is higher than any lidar sees.
     fn surroundings(height_m: f32) -> std::vec::Vec<Surroundings> {
-        let mut sweep = std::boxed::Box::new(Sweep::EMPTY);
-        sweep.column_count = 1_800;
-        for (index, column) in sweep.columns.iter_mut().enumerate().take(1_800) {
-            (column.azimuth_cdeg, column.measured) = (20 * index as u16, true);
-            let bearing = -(0.2 * index as f32).to_radians();
-            for (ring, raw) in column.range_raw.iter_mut().enumerate() {
-                let elevation = (2.0 * ring as f32 - 15.0).to_radians();
-                let ahead = libm::cosf(bearing) > 0.9;
-                let left_m = OBJECT_M * libm::tanf(bearing);
-                let at_object_m = SENSOR_M + OBJECT_M / libm::cosf(bearing) * libm::tanf(elevation);
-                let is_object = left_m.abs() < 0.225 && at_object_m < height_m;
-                let distance_m = if is_object { OBJECT_M } else { WALL_M } / libm::cosf(bearing);
-                let above_floor_m = SENSOR_M + distance_m * libm::tanf(elevation);
-                let hits = ahead && above_floor_m > 0.0;
-                *raw = if hits { (distance_m / libm::cosf(elevation) * 500.0) as u16 } else { 0 };
-            }
-        }
-        let translation = Point3::new(0.0, 0.0, SENSOR_M);
-        let context = SweepContext {
-            sensor_in_base: Transform3 { translation, ..Transform3::IDENTITY },
-            twist: Twist2::ZERO,
-            base_in_odom: Pose2::default(),
-        };
-        let mut pipeline = std::boxed::Box::new(PeoplePipeline::new(RingAngles::vlp16()));
-        pipeline.process(&sweep, &context);
+        let (pipeline, _) = seen(|bearing, elevation| {
+            let left_m = OBJECT_M * libm::tanf(bearing);
+            let at_object_m = SENSOR_M + OBJECT_M / libm::cosf(bearing) * libm::tanf(elevation);
+            let is_object = left_m.abs() < 0.225 && at_object_m < height_m;
+            let distance_m = if is_object { OBJECT_M } else { WALL_M } / libm::cosf(bearing);
+            let above_floor_m = SENSOR_M + distance_m * libm::tanf(elevation);
+            if above_floor_m > 0.0 { distance_m / libm::cosf(elevation) } else { 0.0 }
+        });
         pipeline.detections().iter().map(|detection| detection.surroundings).collect()
     }
 

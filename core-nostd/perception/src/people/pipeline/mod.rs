@@ -5,6 +5,8 @@ mod candidates;
 mod context;
 mod describe;
 mod find_clusters;
+#[cfg(test)]
+mod seen_by_vlp16;
 mod sharing;
 mod state;
 mod upper_bodies;
