@@ -9,6 +9,7 @@ use floorguard_mapping_host::output::{check_place, replace_folder};
 use floorguard_robot::navigator::{NavigationPhase, NavigationProgress, SurveyedMap, locked};
 
 use super::exit::{BadInput, NotFinished, WrongUsage};
+use super::map_here::MapHere;
 use super::run::{self, Errand, RunArguments, RunOutputs};
 use super::values::side_m;
 
@@ -51,7 +52,10 @@ pub fn run(arguments: &ExploreArguments) -> anyhow::Result<()> {
     let file = arguments.file.clone().unwrap_or_else(|| PathBuf::from("robot.toml"));
     let outputs = arguments.outputs.clone();
     let errand = Errand::Explore { side_m: arguments.side };
-    let drive = run::run_to(&RunArguments { file, learn: None, outputs }, Some(errand))?;
+    let drive = run::run_to(
+        &RunArguments { file, learn: None, map_here: MapHere::default(), outputs },
+        Some(errand),
+    )?;
     let never = || NotFinished("the exploration never began".to_owned());
     let drive = drive.ok_or_else(never)?;
     let progress = drive.watch.get().ok_or_else(never)?;

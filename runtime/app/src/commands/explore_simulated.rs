@@ -7,7 +7,8 @@ use floorguard_operator::telemetry::RunSinks;
 
 use super::exit::{BadInput, WrongUsage};
 use super::explore::{ExploreArguments, write};
-use super::simulate::{conclude, open_sinks, play};
+use super::simulate::{conclude, play};
+use super::sinks::{SinkOutputs, open_sinks};
 
 /// The longest that a simulated exploration takes without --duration, seconds.
 const LONGEST_S: f64 = 1_800.0;
@@ -31,7 +32,8 @@ pub(super) fn run(arguments: &ExploreArguments, scenario: &str) -> anyhow::Resul
     }
     let plan = plan.exploring(*side)?;
     let mut sinks = RunSinks::default();
-    open_sinks(&mut sinks, &plan, (outputs.record.as_deref(), outputs.panel, false))?;
+    let (record, panel) = (outputs.record.as_deref(), outputs.panel);
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, ..SinkOutputs::default() })?;
     let observation = play(&plan, outputs.json, &mut sinks)?;
     if let Some(surveyed) = &observation.surveyed {
         write(arguments, surveyed)?;

@@ -14,8 +14,8 @@ use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::live::status_of;
-use super::run_lesson::RunLesson;
 use super::map_here::MapHere;
+use super::run_lesson::RunLesson;
 use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};

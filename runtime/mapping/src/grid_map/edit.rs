@@ -35,7 +35,8 @@ impl GridMap {
             Some([first, last + 1])
         };
         let ([left, right], [bottom, top]) = (span(0, self.columns)?, span(1, self.rows)?);
-        let rows = (bottom..top).flat_map(|row| &self.cells[row * self.columns + left..row * self.columns + right]);
+        let rows =
+            (bottom..top).flat_map(|row| &self.cells[row * self.columns + left..row * self.columns + right]);
         Some(Self {
             columns: right - left,
             rows: top - bottom,
@@ -98,7 +99,8 @@ impl GridMap {
         map.cells = (0..map.columns * map.rows).map(state).collect();
         for index in (0..self.cells.len()).filter(|index| self.cells[*index] == Occupancy::Occupied) {
             let [column, row] = map.cell_of(forward(self.centre_m(index)));
-            let inside = |value: i64, count: usize| usize::try_from(value).ok().filter(|value| *value < count);
+            let inside =
+                |value: i64, count: usize| usize::try_from(value).ok().filter(|value| *value < count);
             if let Some((column, row)) = inside(column, map.columns).zip(inside(row, map.rows)) {
                 map.cells[row * map.columns + column] = Occupancy::Occupied;
             }
@@ -123,9 +125,7 @@ impl GridMap {
             let turn = |index: i32| best + f64::from(index) * step;
             let scored = (-steps..=steps).map(|index| (turn(index), self.gathering(&walls, turn(index))));
             // Of equals the smaller turn.
-            let better = |a: &(f64, u64), b: &(f64, u64)| {
-                a.1.cmp(&b.1).then(b.0.abs().total_cmp(&a.0.abs()))
-            };
+            let better = |a: &(f64, u64), b: &(f64, u64)| a.1.cmp(&b.1).then(b.0.abs().total_cmp(&a.0.abs()));
             best = scored.max_by(better).map_or(best, |(turn, _)| turn);
         }
         best.to_radians()

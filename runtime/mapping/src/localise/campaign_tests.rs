@@ -115,7 +115,8 @@ impl Building {
         for wall in [[[0.0, 0.0], [0.1, height]], [[width - 0.1, 0.0], [width, height]]] {
             walls.draw(wall);
         }
-        for (low, high, corridor) in [(0.0, middle - 1.2, middle - 1.2), (middle + 1.2, height, middle + 1.2)] {
+        for (low, high, corridor) in [(0.0, middle - 1.2, middle - 1.2), (middle + 1.2, height, middle + 1.2)]
+        {
             let mut left = 0.0;
             while left < width - 2.0 {
                 let right = if width - left < 9.0 { width } else { left + random.within(4.0, 8.0) };
@@ -192,7 +193,8 @@ fn scan(world: &World, pose: &Se2) -> Vec<f64> {
 
 /// Moves and adds furniture, away from the path, until a third of the returns of the drive have changed.
 fn changed(building: &Building, mapped: &World, path: &[Se2], random: &mut Random) -> (World, f64) {
-    let kept: Vec<Cuboid> = building.furniture.iter().enumerate().filter(|(i, _)| i % 3 != 0).map(|(_, f)| *f).collect();
+    let kept: Vec<Cuboid> =
+        building.furniture.iter().enumerate().filter(|(i, _)| i % 3 != 0).map(|(_, f)| *f).collect();
     let mut world = building.with(&kept);
     let mut share = 0.0;
     for _ in 0..80 {
@@ -232,7 +234,8 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
     let mapped = building.with(&building.furniture);
     let path = drive(&mapped, random)?;
     let (world, changed) = changed(building, &mapped, &path, random);
-    let mut localiser = Localiser::new(KnownMap::new(mapped.map(), &LocaliseConfig::default())?, LocaliseConfig::default());
+    let mut localiser =
+        Localiser::new(KnownMap::new(mapped.map(), &LocaliseConfig::default())?, LocaliseConfig::default());
     let mut odometry = Se2::default();
     let mut ended = Ended { changed, ..Ended::default() };
     for (index, pose) in path.iter().enumerate() {
@@ -266,7 +269,8 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
 #[test]
 fn places_are_found_in_changed_buildings() {
     let order = std::env::var("FLOORGUARD_LOCALISATION").unwrap_or_else(|_| "2x2".to_owned());
-    let (maps, starts) = order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((2, 2));
+    let (maps, starts) =
+        order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((2, 2));
     let (mut all, mut found, mut soon, mut wrong) = (0_u32, 0_u32, 0_u32, 0_u32);
     let mut share = 0.0;
     for map in 0..maps {
@@ -284,7 +288,10 @@ fn places_are_found_in_changed_buildings() {
             }
         }
     }
-    println!("{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain", share / f64::from(all.max(1)));
+    println!(
+        "{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain",
+        share / f64::from(all.max(1))
+    );
     assert_eq!(wrong, 0, "of {all}");
     assert!(all >= 3 && found * 4 >= all * 3, "{found} of {all}");
 }
