@@ -9,6 +9,7 @@ use crate::lidar3d::{Mapper3, Mapper3Config, Mapper3Counters, SweepRecord};
 /// Matches sweep after sweep; the first pose is the origin of the map.
 pub struct SweepTracker {
     mapper: Mapper3,
+    is_unsolvable: bool,
 }
 
 impl SweepTracker {
@@ -17,7 +18,7 @@ impl SweepTracker {
     pub fn new(level_floor: bool) -> Self {
         let mut config = Mapper3Config::default();
         config.odometry.floor = level_floor.then(FloorPrior::default);
-        Self { mapper: Mapper3::new(config) }
+        Self { mapper: Mapper3::new(config), is_unsolvable: false }
     }
 
     /// Enters a sweep; one that is not later than the one before, or has no duration, is counted and left out.
@@ -33,7 +34,7 @@ impl SweepTracker {
             returns: returns.collect(),
             reflectivity: Vec::new(),
         };
-        self.mapper.push(record, &MotionAid::default());
+        self.is_unsolvable |= self.mapper.push(record, &MotionAid::default()).is_err();
     }
 
     /// What became of the sweeps.
@@ -42,11 +43,15 @@ impl SweepTracker {
         self.mapper.counters
     }
 
-    /// The track.
+    /// The track, with all loops closed.
     ///
     /// # Errors
-    /// No sweep could be used.
-    pub fn finish(self) -> Result<Track, TrackError> {
-        Track::new(self.mapper.trajectory)
+    /// No sweep could be used, or the loops contradict each other.
+    pub fn finish(mut self) -> Result<Track, TrackError> {
+        self.is_unsolvable |= self.mapper.finish().is_err();
+        if self.is_unsolvable {
+            return Err(TrackError::Unsolvable);
+        }
+        Track::new(self.mapper.trajectory())
     }
 }

@@ -26,6 +26,9 @@ pub enum TrackError {
         /// Its time.
         time_s: f64,
     },
+    /// The graph of the drive's poses and loops has no solution.
+    #[error("the loops of the drive contradict each other; clean it with --poses of another program")]
+    Unsolvable,
 }
 
 /// Times may lie this much outside of the track, seconds: the first and the last sweep are a little longer than it.
