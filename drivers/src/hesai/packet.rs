@@ -59,12 +59,12 @@ pub enum PacketError {
         /// Hundredths of a degree.
         azimuth_cdeg: u16,
     },
-    /// A return mode with more than two echoes, or one that the manual does not know.
+    /// A return mode with more than two echoes, or an unknown one.
     ReturnMode {
         /// The byte.
         found: u8,
     },
-    /// A time of day that is none.
+    /// A time of day beyond its limits.
     Time {
         /// Minute, second.
         found: [u8; 2],

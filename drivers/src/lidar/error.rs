@@ -1,4 +1,4 @@
-//! Why a datagram gives no columns, whoever made the lidar.
+//! Why a datagram gives no columns, for the lidars of all makers.
 
 use crate::{hesai, velodyne};
 
