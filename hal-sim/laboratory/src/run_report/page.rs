@@ -52,7 +52,7 @@ fn page(plan: &Plan, observation: &Observation, (picture, speed): (&str, &str)) 
     );
     stops(&mut html, observation);
     held(&mut html, observation);
-    html.push_str("</html>\n");
+    html.push_str("</main></html>\n");
     html
 }
 

@@ -77,7 +77,7 @@ fn page(status: &MissionStatus, strategy: &str) -> anyhow::Result<String> {
     zones(&mut html, status);
     spots(&mut html, status);
     fine_print(&mut html, status, strategy);
-    html.push_str("</html>\n");
+    html.push_str("</main></html>\n");
     Ok(html)
 }
 

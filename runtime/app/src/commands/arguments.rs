@@ -96,7 +96,7 @@ pub enum Command {
     )]
     Train(super::TrainArguments),
     /// Write man pages and the completions of shells into a folder.
-    #[command(after_help = "Example:\n  floorguard manual --out manual && man manual/floorguard-run.1")]
+    #[command(after_help = "Example:\n  floorguard manual --out manual\n  man manual/floorguard-run.1")]
     Manual(super::ManualArguments),
     /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
     Map(MapArguments),

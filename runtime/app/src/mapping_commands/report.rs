@@ -29,7 +29,7 @@ pub fn document(summary: &MapSummary, files: &[String]) -> String {
              <dt>graph.g2o</dt><dd>the pose graph of the scanner</dd>\
              <dt>submaps/</dt><dd>the map in pieces; index.txt says where each lies</dd>\
              <dt>summary.json</dt><dd>these figures for programs</dd></dl>";
-    html + "</html>\n"
+    html + "</main></html>\n"
 }
 
 fn list(title: &str, lines: &[String]) -> String {

@@ -45,7 +45,7 @@ pub fn page(incident: &Incident, snapshots: &[Snapshot]) -> String {
     causes(&mut html, incident);
     before(&mut html, incident);
     let _ = write!(html, "<h2>How this page was made</h2><p>{}</p>", escaped(&incident.repetition));
-    html + "</html>\n"
+    html + "</main></html>\n"
 }
 
 fn decided(html: &mut String, incident: &Incident) {

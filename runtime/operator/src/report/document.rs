@@ -57,7 +57,7 @@ pub fn document(history: &History, circumstances: &Circumstances) -> String {
         section(&mut html, "Health of the sources", &chart(&charts::sources(history)), legend);
     }
     counters(&mut html, history);
-    html + "</html>\n"
+    html + "</main></html>\n"
 }
 
 /// Entries of the list of what held the robot; more make the page too long for a phone.

@@ -60,7 +60,7 @@ pub fn picture(grid: &Grid, scale: Scale) -> String {
     let (width, height) = (right - left + 2, top - bottom + 2);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" shape-rendering=\"crispEdges\" \
-         role=\"img\"><rect width=\"100%\" height=\"100%\" fill=\"#b8c4cf\"/>"
+         role=\"img\" aria-label=\"floor in cells\"><rect width=\"100%\" height=\"100%\" fill=\"#b8c4cf\"/>"
     );
     for shade in 0..SHADES {
         let mut path = String::new();

@@ -7,6 +7,8 @@ use floorguard_recording::topics;
 
 /// Stops that are listed; the page of the report lists all.
 const STOPS_MAX: usize = 60;
+/// Rows of what held the robot.
+const HELD_MAX: usize = 40;
 
 /// The file.
 #[must_use]
@@ -38,6 +40,12 @@ pub fn pdf(proof: &Proof, history: &History) -> Vec<u8> {
         if proof.stops.len() > STOPS_MAX {
             let more = format!("{} more are in the recording.", proof.stops.len() - STOPS_MAX);
             sheet.row(&[(90.0, &more)], false);
+        }
+    }
+    if !history.held.is_empty() {
+        sheet.heading("What held the robot, and resets");
+        for (at_s, words) in history.held.iter().take(HELD_MAX) {
+            sheet.row(&[(0.0, &format!("{at_s:.1} s")), (90.0, words)], false);
         }
     }
     sheet.signatures(&["operator", "customer", "date"]);

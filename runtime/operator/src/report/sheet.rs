@@ -110,9 +110,18 @@ impl Sheet {
         self.down(edge * rows as f32 + 6.0);
         let low = self.y;
         let page = self.page();
-        for (column, row, [red, green, blue]) in cells {
+        // Neighbours of one colour in a row become one rectangle.
+        let mut cells = cells.peekable();
+        while let Some((column, row, colour)) = cells.next() {
+            let mut wide = 1;
+            while cells.next_if_eq(&(column + wide, row, colour)).is_some() {
+                wide += 1;
+            }
+            let [red, green, blue] = colour;
             let (x, y) = (MARGIN + edge * column as f32, low + edge * row as f32);
-            page.set_fill_rgb(red, green, blue).rect(x, y, edge * 1.02, edge * 1.02).fill_nonzero();
+            page.set_fill_rgb(red, green, blue)
+                .rect(x, y, edge * (wide as f32 + 0.02), edge * 1.02)
+                .fill_nonzero();
         }
         page.set_fill_rgb(0.0, 0.0, 0.0);
     }

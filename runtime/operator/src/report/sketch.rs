@@ -164,7 +164,12 @@ fn ground(frame: &Frame, cells: &Cells) -> String {
 pub fn overview(history: &History) -> String {
     let cells = map(&history.scans);
     let frame = everything(history, &cells);
-    let mut svg = frame.open("map with the path of the robot, people and stops");
+    // Its marks are links: a picture that is one piece would hide them.
+    let mut svg = frame.open("map with the path of the robot, people and stops").replacen(
+        "role=\"img\"",
+        "role=\"group\"",
+        1,
+    );
     svg.push_str(&ground(&frame, &cells));
     for (index, path) in history.people.values().filter(|path| path.len() > 5).enumerate() {
         let hue = index * 47 % 360;

@@ -18,8 +18,8 @@ max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem 
 dd{margin:0;min-width:0}.facts{gap:.3rem 1rem;margin:1rem 0}.proof{margin:.5rem 0}\
 .sign{display:none}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
 .pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}figcaption{text-align:center}\
-.slide{display:flex;gap:.8rem;align-items:center;margin:.5rem 0}.slide input{flex:1;min-height:2.5rem}\
-.slide output{min-width:11rem;font-variant-numeric:tabular-nums}.legend{color:#5b6770;font-size:.88rem}.key{white-space:nowrap;margin-right:1rem;display:inline-block}.key i{display:\
+.slide{display:flex;flex-wrap:wrap;gap:.2rem .8rem;align-items:center;margin:.5rem 0}\
+.slide input{flex:1;min-width:0;min-height:2.5rem}.slide output{flex:1 1 100%;font-variant-numeric:tabular-nums}.legend{color:#5b6770;font-size:.88rem}.key{white-space:nowrap;margin-right:1rem;display:inline-block}.key i{display:\
 inline-block;width:1em;height:1em;border:1px solid #888;vertical-align:-.1em;margin-right:.3em}.disc{display:inline-block;\
 min-width:1.6em;border-radius:1em;color:#fff;text-align:center;font-size:.85em}\
 @media screen and (max-width:40rem){dl.facts{display:block}.facts dt{margin-top:.4rem}.chart text{font-size:23px}\
@@ -36,7 +36,7 @@ pub fn head(title: &str) -> String {
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width,initial-scale=1\"><title>floorguard: {t}</title><style>{STYLE}</style>\
-         <h1>{t}</h1>",
+         <main><h1>{t}</h1>",
         t = escaped(title)
     )
 }

@@ -110,7 +110,7 @@ function showMission(next) {
     if (role !== "viewer") { const stop = element("button", t("Cancel")); stop.setAttribute("aria-label", t("Cancel: {}", name)); stop.onclick = () => send("/mission", {do: "cancel", place}); line.append(stop); }
     return line;
   });
-  if (queue && queue.answered !== answered) { if (answered !== null && queue.refused) note(t("The mission refuses: {}", queue.refused)); answered = queue.answered; }
+  if (queue && queue.answered !== answered) { if (queue.refused) note(t("The mission refuses: {}", queue.refused)); answered = queue.answered; }
   if (!asking && (!floor || floor.number < mission.layers)) fetchFloor();
   if (!plan) fetchPlan();
 }
