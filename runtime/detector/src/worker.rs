@@ -1,6 +1,6 @@
 //! The detector on a thread of its own: who brings pictures never waits.
 
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
@@ -86,10 +86,7 @@ impl DetectorThread {
 
     /// An answer, if there is one.
     pub fn take(&self) -> Option<Found> {
-        match self.answers.try_recv() {
-            Ok(found) => Some(found),
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
-        }
+        self.answers.try_recv().ok()
     }
 
     /// What became of pictures so far.

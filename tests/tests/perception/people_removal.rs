@@ -75,14 +75,15 @@ fn who_left_between_surveys_is_removed() {
 }
 
 #[test]
-fn tour_of_revisits_fills_the_hole() {
+fn tour_of_revisits_ends_without_people() {
     let (rounds, clouds) = Revisited::short().run();
     let [survey, .., last] = &rounds[..] else { panic!("{rounds:?}") };
     println!("{rounds:?}");
     assert!(survey.seen > 0 && last.stops > 0 && rounds.len() <= 4, "{rounds:?}");
-    // The person stood there all through the survey: no floor below, and no free space without the second drive.
-    assert!(survey.areas.filled_share() < 0.5, "{survey:?}");
-    assert!(last.areas.filled_share() >= 0.95, "{last:?}");
+    // Legs swing while a person stands, so that parts of each square are seen in the survey already; what boxes left of the
+    // person there (arms, edges) goes once the tour's rays have passed through the place.
+    assert!(last.areas.removed_m2 > 0.2 && last.areas.filled_share() >= 0.95, "{last:?}");
+    assert!(last.seen == 0 && last.score.people_kept * 2 < survey.score.people_kept, "{rounds:?}");
     assert!(last.score.dynamic_accuracy() >= 0.98 && last.score.static_accuracy() >= 0.98, "{last:?}");
-    assert!(clouds.filled.len() > 50);
+    assert!(!clouds.filled.is_empty());
 }
