@@ -38,7 +38,7 @@ impl Bench {
         let mut sent = Vec::new();
         let events = &mut self.events;
         self.motor.poll(at(self.now_us), &mut |event| events.push(event), &mut |frame| sent.push(*frame));
-        if self.now_us % 100_000 == 0 {
+        if self.now_us.is_multiple_of(100_000) {
             self.hear(0x70B, &[5]);
         }
         for frame in sent {

@@ -3,7 +3,7 @@
 use super::*;
 use floorguard_types::time::Stamp;
 use proptest::prelude::*;
-use std::string::{String, ToString};
+use std::string::String;
 use std::vec::Vec;
 
 fn at(micros: u64) -> Stamp {
@@ -81,7 +81,7 @@ fn published_numbers_are_read_within_scans() {
     assert_eq!(
         std::str::from_utf8(&bytes).unwrap(),
         "MD0044004501005\n99b\nm2@0?\n1Dh00C@\n\n"
-            .replace("m2@0?", &line("m2@0").trim_end().to_string())
+            .replace("m2@0?", line("m2@0").trim_end())
             .replace("1Dh00C@", line("1Dh00C").trim_end())
     );
     assert_eq!(heard(&bytes, 7), ["scan 16000000 [5432, 19]"]);

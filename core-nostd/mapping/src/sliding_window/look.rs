@@ -217,8 +217,9 @@ impl Column {
     #[inline]
     fn beam_near(&self, elevation_rad: f32) -> Option<NearBeam> {
         let beam = (elevation_rad - self.first_elevation_rad) * self.beams_per_rad + 0.5;
-        // Also for what is not a number.
-        if !(beam >= 0.0) {
+        // Not for what is not a number.
+        let is_within = beam >= 0.0;
+        if !is_within {
             return None;
         }
         match self.beams.get(saturating_usize(beam))? {

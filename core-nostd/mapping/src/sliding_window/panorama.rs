@@ -85,7 +85,9 @@ impl Mirror {
             let behind = |pair: &&[MirrorMark]| matches!(pair, [_, to] if part <= to.part);
             let pair = marks.windows(2).find(behind).or_else(|| marks.windows(2).last());
             let [from, to] = pair? else { return None };
-            if !(from.part < to.part) {
+            // Not for what is not a number.
+            let is_in_order = from.part < to.part;
+            if !is_in_order {
                 return None;
             }
             // Not divided by 0: ruled out above.
