@@ -35,6 +35,9 @@ fn published_recordings_are_known_by_their_bytes() {
         ("xsens_mti/1_output.bin", "Xsens MTi", Some(100), "decode"),
         ("can_canopen/navican_two_wheel_cia402_start.candump.txt", "candump", None, "decode"),
         ("can_canopen/ros_canopen_issue259_start.candump.txt", "candump", None, "decode"),
+        ("vlp16_clouds/acfr_lab/pose01_full.pcd.gz", "point cloud", Some(23_969), "eval ground"),
+        ("trajectories/eth_obsmat.txt.gz", "tracks of people", None, "learn"),
+        ("trajectories/lcas_vlp16_people.ndjson.gz", "tracks of people", None, "learn"),
     ] {
         let Some(path) = recording(name) else { continue };
         let page = page(&path);

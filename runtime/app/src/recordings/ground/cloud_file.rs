@@ -101,7 +101,9 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<Point>> {
 /// Its name says so, and its size fits.
 fn is_kitti(path: &Path, bytes: &[u8]) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    name.trim_end_matches(".gz").ends_with(".bin") && !bytes.is_empty() && bytes.len() % KITTI_POINT == 0
+    name.trim_end_matches(".gz").ends_with(".bin")
+        && !bytes.is_empty()
+        && bytes.len().is_multiple_of(KITTI_POINT)
 }
 
 fn kitti(data: Vec<u8>) -> Table {
