@@ -82,9 +82,11 @@ fn whatever_was_learned_no_stop_is_loosened() {
     assert!(differs.is_none_or(|(one, other)| other.2 <= one.2 || other.1 < one.1), "{differs:?}");
     // What it adds is furniture, which stays explained in the list, but the guard is advised of it. Both robots see the same
     // until one of them takes another path.
-    let same = shipped.robot_path.iter().zip(&anxious.robot_path).take_while(|(one, other)| one == other).count();
+    let same =
+        shipped.robot_path.iter().zip(&anxious.robot_path).take_while(|(one, other)| one == other).count();
     let same_until_us = same as u64 * 250_000;
-    let moments = shipped.advised.iter().zip(&anxious.advised).take_while(|(one, _)| one.at_us < same_until_us);
+    let moments =
+        shipped.advised.iter().zip(&anxious.advised).take_while(|(one, _)| one.at_us < same_until_us);
     let (mut compared, mut longer) = (0, 0);
     for (one, other) in moments {
         assert_eq!(one.at_us, other.at_us);

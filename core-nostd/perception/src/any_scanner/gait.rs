@@ -10,7 +10,7 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 
 /// A swing of the distance between two feet, metres: more than twice the noise of both places.
-const SWING_MIN_M: f32 = 0.15;
+const SWING_MIN_M: f32 = 0.12;
 /// Swings, growing and shrinking by turns, that make a walk.
 const SWINGS_MIN: u8 = 3;
 /// A swing that came later than this after the one before is the first of a new walk, µs.

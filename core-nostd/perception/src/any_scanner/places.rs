@@ -72,6 +72,7 @@ pub struct PlacesOf<S: Size> {
     places: TableOf<TableOf<Place, S>, S>,
     scanner: Pose2,
     is_settled: bool,
+    settled_share: f32,
     scan: u8,
 }
 
@@ -95,6 +96,7 @@ impl<S: Size> PlacesOf<S> {
             places: Entry::BLANK,
             scanner: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
             is_settled: false,
+            settled_share: 0.0,
             scan: 0,
         }
     }
@@ -112,7 +114,14 @@ impl<S: Size> PlacesOf<S> {
             returns += 1.0;
             on_standing += if self.stood(ray.at(range_m)) > STOOD_MIN { 1.0 } else { 0.0 };
         }
-        self.is_settled = returns >= RETURNS_MIN && on_standing > SETTLED_MIN * returns;
+        self.settled_share = if returns >= RETURNS_MIN { on_standing / returns } else { 0.0 };
+        self.is_settled = self.settled_share > SETTLED_MIN;
+    }
+
+    /// Share of the newest scan's returns that lie where something has stood, 0…1; 0 with too few returns.
+    #[must_use]
+    pub const fn settled_share(&self) -> f32 {
+        self.settled_share
     }
 
     /// The newest scan fits what was seen before.
