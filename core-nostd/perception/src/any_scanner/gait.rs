@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_a_walk_and_rigid_legs_are_none() {
+    fn steps_walk_and_rigid_legs_do_not() {
         assert!(has_walked(|seconds| 0.35 + 0.2 * libm::sinf(9.0 * seconds)));
         // Legs of a chair with noise of some centimetres; a door that opens slowly; a pair that begins anew.
         assert!(!has_walked(|seconds| 0.4 + 0.06 * libm::sinf(40.0 * seconds)));

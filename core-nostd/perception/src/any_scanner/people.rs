@@ -14,8 +14,8 @@ const BODY_M: f32 = 0.5;
 
 /// Share of the returns that lie where something has stood before, while a scanner of unknown motion stands.
 const STANDING_MIN: f32 = 0.7;
-/// Fewer looks at a place say nothing about it: a robot that comes along has seen nothing through it as yet.
-const LOOKS_MIN: f32 = 10.0;
+/// Fewer observations at a place say nothing about it: a robot that comes along has seen nothing through it as yet.
+const OBSERVATIONS_MIN: f32 = 10.0;
 /// Score from which a segment is followed, a probability of a quarter: what is no leg does not last.
 const SCORE_MIN: f32 = -0.55;
 /// Reliability that a leg of a person needs. With the one of the published code, 0.7, most legs of a scanner that the
@@ -75,8 +75,9 @@ impl<P: Profile> PeopleByAnyScannerOf<P> {
         // A scanner that moves unknown to us sees what moves with it where it was.
         let is_fixed = is_known || self.places.settled_share() > STANDING_MIN;
         let Self { detector, places, .. } = self;
-        let evidence =
-            |points: &[Point2]| places.evidence(points).filter(|place| is_fixed && place.looks >= LOOKS_MIN);
+        let evidence = |points: &[Point2]| {
+            places.evidence(points).filter(|place| is_fixed && place.observations >= OBSERVATIONS_MIN)
+        };
         let found = detector.process_by(scan, None::<fn(Point2) -> bool>, evidence);
         self.segments = found.segments;
         self.dropped_legs = self.dropped_legs.saturating_add(found.dropped);
@@ -148,7 +149,7 @@ mod tests {
         scan
     }
 
-    /// What is said of the motion of everybody who is seen, over four seconds.
+    /// The judgement of the motion of everybody who is seen, over four seconds.
     fn motions(apart: impl Fn(f32) -> [f32; 2], speed_mps: f32) -> std::vec::Vec<Option<bool>> {
         let mut people = Box::new(PeopleByAnyScanner::new());
         let moments = (0..60).map(|step| 0.066 * step as f32);

@@ -207,7 +207,7 @@ mod tests {
 
     /// A wall 4 m ahead, three scans of it; the person of the truth stands where nothing was measured.
     #[test]
-    fn nobody_is_found_where_nobody_was_measured() {
+    fn person_without_returns_is_not_found() {
         let ranges = ",4".repeat(60);
         let header = "# angle_min=-0.3 angle_increment=0.01 n=60 range_max=5.6\n";
         let rows: String = (1..4).map(|scan| format!("{}00000000,0.1{ranges}\n", scan)).collect();
