@@ -10,7 +10,7 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 
 /// A swing of the distance between two feet, metres: more than twice the noise of both places.
-const SWING_MIN_M: f32 = 0.15;
+const SWING_MIN_M: f32 = 0.12;
 /// Swings, growing and shrinking by turns, that make a walk.
 const SWINGS_MIN: u8 = 3;
 /// A swing that came later than this after the one before is the first of a new walk, µs.
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_a_walk_and_rigid_legs_are_none() {
+    fn steps_walk_and_rigid_legs_do_not() {
         assert!(has_walked(|seconds| 0.35 + 0.2 * libm::sinf(9.0 * seconds)));
         // Legs of a chair with noise of some centimetres; a door that opens slowly; a pair that begins anew.
         assert!(!has_walked(|seconds| 0.4 + 0.06 * libm::sinf(40.0 * seconds)));

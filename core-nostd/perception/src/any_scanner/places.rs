@@ -16,18 +16,18 @@ use floorguard_types::sensing::{BeamReturn, ScanOf};
 const PLACE_M: f32 = 0.1;
 /// A ray goes free up to this far before its return, metres.
 const BEFORE_RETURN_M: f32 = 0.2;
-/// Looks of a place that are counted; then both counts are halved, so that older looks count for less.
-const LOOKS_MAX: u8 = 250;
-/// Looks that agree with nothing, added to both counts: the first looks say less.
-const PRIOR_LOOKS: f32 = 2.0;
+/// Observations of a place that are counted; then both counts are halved, so that older ones count for less.
+const OBSERVATIONS_MAX: u8 = 250;
+/// Observations that agree with nothing, added to both counts: the first observations say less.
+const PRIOR_OBSERVATIONS: f32 = 2.0;
 /// A return at a place with this share of returns before lies on what has stood.
 const STOOD_MIN: f32 = 0.4;
 /// Share of the returns that must, and the least number of returns: else the scanner moves unknown to us.
 const SETTLED_MIN: f32 = 0.5;
 const RETURNS_MIN: f32 = 20.0;
 
-/// More looks than this say no more.
-const LOOKS_TOLD: f32 = 30.0;
+/// More observations than this say no more.
+const OBSERVATIONS_COUNTED: f32 = 30.0;
 
 /// A place. Its tags tell it from those that wrap onto the same cell; they repeat after 256 windows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,6 +72,7 @@ pub struct PlacesOf<S: Size> {
     places: TableOf<TableOf<Place, S>, S>,
     scanner: Pose2,
     is_settled: bool,
+    settled_share: f32,
     scan: u8,
 }
 
@@ -95,6 +96,7 @@ impl<S: Size> PlacesOf<S> {
             places: Entry::BLANK,
             scanner: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
             is_settled: false,
+            settled_share: 0.0,
             scan: 0,
         }
     }
@@ -112,7 +114,14 @@ impl<S: Size> PlacesOf<S> {
             returns += 1.0;
             on_standing += if self.stood(ray.at(range_m)) > STOOD_MIN { 1.0 } else { 0.0 };
         }
-        self.is_settled = returns >= RETURNS_MIN && on_standing > SETTLED_MIN * returns;
+        self.settled_share = if returns >= RETURNS_MIN { on_standing / returns } else { 0.0 };
+        self.is_settled = self.settled_share > SETTLED_MIN;
+    }
+
+    /// Share of the newest scan's returns that lie where something has stood, 0…1; 0 with too few returns.
+    #[must_use]
+    pub const fn settled_share(&self) -> f32 {
+        self.settled_share
     }
 
     /// The newest scan fits what was seen before.
@@ -132,16 +141,16 @@ impl<S: Size> PlacesOf<S> {
             let place = self.scanner.transform(*point);
             sum.stood += self.stood(place);
             if let Some(known) = self.at(cell(place)) {
-                let looks = nearest_f32(known.returns) + nearest_f32(known.seen_through);
-                sum.seen_through += nearest_f32(known.seen_through) / (looks + PRIOR_LOOKS);
-                sum.looks += looks;
+                let observations = nearest_f32(known.returns) + nearest_f32(known.seen_through);
+                sum.seen_through += nearest_f32(known.seen_through) / (observations + PRIOR_OBSERVATIONS);
+                sum.observations += observations;
             }
         }
         let count = nearest_f32(points.len());
         Some(PlaceEvidence {
             stood: sum.stood / count,
             seen_through: sum.seen_through / count,
-            looks: (sum.looks / count).min(LOOKS_TOLD),
+            observations: (sum.observations / count).min(OBSERVATIONS_COUNTED),
         })
     }
 
@@ -187,7 +196,7 @@ impl<S: Size> PlacesOf<S> {
         place.counted_by = scan;
         let count = if has_return { &mut place.returns } else { &mut place.seen_through };
         *count = count.saturating_add(1);
-        if *count >= LOOKS_MAX {
+        if *count >= OBSERVATIONS_MAX {
             (place.returns, place.seen_through) = (place.returns / 2, place.seen_through / 2);
         }
     }
@@ -197,7 +206,7 @@ impl<S: Size> PlacesOf<S> {
         (place.tags == tags::<S>(cell)).then_some(place)
     }
 
-    /// Share of the looks with a return at a point or half a place beside it: a return on a border falls on either side.
+    /// Share of the observations with a return at a point or half a place beside it: a return on a border falls on either side.
     fn stood(&self, point: Point2) -> f32 {
         let half_m = 0.5 * PLACE_M;
         [(-half_m, -half_m), (-half_m, half_m), (half_m, -half_m), (half_m, half_m)]
@@ -205,7 +214,7 @@ impl<S: Size> PlacesOf<S> {
             .filter_map(|(x_m, y_m)| self.at(cell(Point2::new(point.x_m + x_m, point.y_m + y_m))))
             .map(|place| {
                 let returns = nearest_f32(place.returns);
-                returns / (returns + nearest_f32(place.seen_through) + PRIOR_LOOKS)
+                returns / (returns + nearest_f32(place.seen_through) + PRIOR_OBSERVATIONS)
             })
             .fold(0.0, f32::max)
     }
@@ -296,7 +305,7 @@ mod tests {
         places.look(&with_post, Pose2::default());
         let entered = places.evidence(&post).expect("it fits");
         assert!(entered.stood == 0.0 && entered.seen_through > 0.9, "{entered:?}");
-        assert!((entered.looks - 20.0).abs() < 1.0e-3);
+        assert!((entered.observations - 20.0).abs() < 1.0e-3);
     }
 
     /// Who stands in the room is left out, so the place stays as it was before.
@@ -313,7 +322,7 @@ mod tests {
         assert!(stands.stood == 0.0, "{stands:?}");
     }
 
-    /// A pose that jumps makes every return new: nothing is said until the places are known again.
+    /// A pose that jumps makes every return new: no evidence is given until the places are known again.
     #[test]
     fn unknown_motion_gives_no_evidence() {
         let scan = room(Some(2_000));

@@ -5,12 +5,12 @@ use super::features::{LEG_FEATURES, LegFeatures};
 /// What earlier scans showed where a segment is now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaceEvidence {
-    /// Share of the looks that had a return there, 0…1; mean of the segment's returns.
+    /// Share of the observations that had a return there, 0…1; mean of the segment's returns.
     pub stood: f32,
-    /// Share of the looks that went through it, 0…1.
+    /// Share of the observations that went through it, 0…1.
     pub seen_through: f32,
-    /// Looks at it, 0…30.
-    pub looks: f32,
+    /// Observations of it, 0…30.
+    pub observations: f32,
 }
 
 /// Numbers of the vector: those of the shape, then three of the place.
@@ -22,6 +22,6 @@ pub type LegCues = [f32; LEG_CUES];
 #[must_use]
 pub fn leg_cues(shape: &LegFeatures, place: Option<PlaceEvidence>) -> LegCues {
     let [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = *shape;
-    let PlaceEvidence { stood, seen_through, looks } = place.unwrap_or_default();
-    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, stood, seen_through, looks]
+    let PlaceEvidence { stood, seen_through, observations } = place.unwrap_or_default();
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, stood, seen_through, observations]
 }

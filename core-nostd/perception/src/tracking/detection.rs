@@ -18,7 +18,8 @@ pub struct DetectionOf<P: Profile> {
     pub likeness: f32,
     /// Returns that speak for it.
     pub points: u16,
-    /// Whether it moves by itself; `None` if that was not judged.
+    /// Whether it moves by itself; `None` if that was not judged. Where a scanner judges it, the way that the track has come
+    /// does not count: the scanner may move unknown to us.
     pub moving: Option<bool>,
     /// What it is connected with.
     pub surroundings: Surroundings,

@@ -183,7 +183,11 @@ impl<P: Profile> TrackOf<P> {
             self.status = TrackStatus::Confirmed;
         }
         let walked_m = self.state.position.distance(self.first_position);
-        let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
+        let has_come_far = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
+        let walking = match (sensor, detection.moving) {
+            (PeopleSensor::Scanner, Some(moves)) => moves,
+            _ => has_come_far,
+        };
         // What walks goes from place to place; what moves need not, and two views that differ leave it open.
         let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
         let share = sensor.evidence_weight();

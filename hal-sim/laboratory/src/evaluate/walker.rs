@@ -9,7 +9,7 @@ use floorguard_host::outcome::BadInput;
 use floorguard_perception::any_scanner::PeopleByAnyScanner;
 use floorguard_perception::people::{PeoplePipeline, RingAngles, Track};
 use floorguard_robot::picture_files::read_text;
-use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
 use serde::Serialize;
@@ -19,6 +19,8 @@ const NEAR_M: f32 = 0.6;
 /// A true place more than this older or newer than a scan says nothing about it, nanoseconds: half a scan at 10 Hz, and
 /// some jitter.
 const FRESH_NS: u64 = 60_000_000;
+/// Two legs are confirmed as a person once they were this probably moving: legs of chairs come in pairs, too.
+const WALKED_MIN: f32 = 0.1;
 /// The first scan is at this time of the player's own clock, microseconds.
 const START_US: u64 = 1_000_000;
 
@@ -35,11 +37,21 @@ pub struct WalkerReport {
     pub tracked: f64,
     /// With a confirmed person.
     pub confirmed: f64,
+    /// Judged scans during which the scanner moved.
+    pub judged_moving: u64,
+    /// Of these: with a confirmed person.
+    pub confirmed_moving: f64,
     /// Identities that the person had.
     pub identities: u64,
     /// Confirmed people elsewhere, a scan; all of them where no truth is given.
     pub others_per_scan: f64,
 }
+
+/// The scanner moved when fewer than this share of the ranges are, within so many metres, as they were so many nanoseconds
+/// before.
+const SAME_MAX: f32 = 0.6;
+const SAME_M: f32 = 0.1;
+const BEFORE_NS: u64 = 1_000_000_000;
 
 /// A scan and its time, nanoseconds.
 struct TimedScan {
@@ -64,12 +76,18 @@ pub fn walker(scans: &Path, truth: Option<&Path>) -> anyhow::Result<WalkerReport
     let first_ns = played.first().map_or(0, |first| first.at_ns);
     let mut legs = Box::new(PeopleByAnyScanner::new());
     let mut people = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
-    let (mut report, mut counts) = (WalkerReport::default(), [0_u64; 4]);
-    let mut identities = BTreeSet::new();
-    for TimedScan { at_ns, mut scan } in played {
+    let (mut report, mut counts) = (WalkerReport::default(), [0_u64; 5]);
+    let moves: Vec<bool> = (0..played.len()).map(|index| has_moved(&played, index)).collect();
+    let (mut identities, mut walked) = (BTreeSet::new(), BTreeSet::new());
+    for (TimedScan { at_ns, mut scan }, moves) in played.into_iter().zip(moves) {
         scan.stamp = Stamp::from_micros(START_US + at_ns.saturating_sub(first_ns) / 1_000);
-        people.add_view(legs.process(&scan, Pose2::default()));
-        let confirmed = || people.tracker().tracks().iter().filter(|track| track.is_taken_for_person());
+        people.add_view(legs.process(&scan, None));
+        let tracks = people.tracker().tracks();
+        walked.extend(
+            tracks.iter().filter(|track| track.moving_probability >= WALKED_MIN).map(|track| track.id),
+        );
+        let confirmed =
+            || tracks.iter().filter(|track| track.is_taken_for_person() && walked.contains(&track.id));
         report.scans += 1;
         let place = truth
             .iter()
@@ -83,16 +101,35 @@ pub fn walker(scans: &Path, truth: Option<&Path>) -> anyhow::Result<WalkerReport
         report.judged += 1;
         let leg_near = legs.tracker().tracks().iter().any(|leg| leg.state.position.distance(place) < NEAR_M);
         counts[0] += u64::from(leg_near);
-        counts[1] += u64::from(people.tracker().tracks().iter().any(|track| is_near(&track)));
-        counts[2] += u64::from(confirmed().any(|track| is_near(&track)));
+        counts[1] += u64::from(tracks.iter().any(|track| is_near(&track)));
+        let is_confirmed = confirmed().any(|track| is_near(&track));
+        counts[2] += u64::from(is_confirmed);
+        report.judged_moving += u64::from(moves);
+        counts[4] += u64::from(moves && is_confirmed);
         identities.extend(confirmed().filter(is_near).map(|track| track.id));
     }
     let share = |count: u64, of: u64| count as f64 / of.max(1) as f64;
     [report.seen, report.tracked, report.confirmed] =
         [counts[0], counts[1], counts[2]].map(|count| share(count, report.judged));
+    report.confirmed_moving = share(counts[4], report.judged_moving);
     report.others_per_scan = share(counts[3], report.scans);
     report.identities = identities.len() as u64;
     Ok(report)
+}
+
+/// The ranges of a scan differ from those of a second before.
+fn has_moved(scans: &[TimedScan], index: usize) -> bool {
+    let Some(now) = scans.get(index) else { return false };
+    let before = scans.get(..index).unwrap_or_default();
+    let before = before.iter().rev().find(|scan| now.at_ns.saturating_sub(scan.at_ns) >= BEFORE_NS);
+    let Some(before) = before else { return false };
+    let (mut both, mut same) = (0.0_f32, 0.0_f32);
+    for pair in now.scan.beams.iter().zip(before.scan.beams.iter()) {
+        let (BeamReturn::Hit(one_mm), BeamReturn::Hit(other_mm)) = pair else { continue };
+        both += 1.0;
+        same += f32::from(u8::from(f32::from(one_mm.abs_diff(*other_mm)) < 1_000.0 * SAME_M));
+    }
+    same < SAME_MAX * both
 }
 
 fn read_scans(path: &Path) -> anyhow::Result<Vec<TimedScan>> {
@@ -170,7 +207,7 @@ mod tests {
 
     /// A wall 4 m ahead, three scans of it; the person of the truth stands where nothing was measured.
     #[test]
-    fn nobody_is_found_where_nobody_was_measured() {
+    fn person_without_returns_is_not_found() {
         let ranges = ",4".repeat(60);
         let header = "# angle_min=-0.3 angle_increment=0.01 n=60 range_max=5.6\n";
         let rows: String = (1..4).map(|scan| format!("{}00000000,0.1{ranges}\n", scan)).collect();

@@ -55,16 +55,17 @@ pub fn leg_table(committees: [&[Stump]; 5], provenance: &[String]) -> String {
     for ((name, what), stumps) in names.into_iter().zip(committees) {
         let _ = writeln!(text, "\n/// The committee {what}.\n#[rustfmt::skip]");
         let _ = writeln!(text, "pub static {name}: [Stump; {}] = [", stumps.len());
-        for Stump { feature, threshold, vote } in stumps {
-            let _ = writeln!(
-                text,
-                "    Stump {{ feature: {feature}, threshold: {}, vote: {vote:?} }},",
-                self::threshold(*threshold)
-            );
+        for pair in stumps.chunks(2) {
+            let pair: Vec<String> = pair.iter().map(stump).collect();
+            let _ = writeln!(text, "    {},", pair.join(", "));
         }
         text.push_str("];\n");
     }
     text
+}
+
+fn stump(Stump { feature, threshold, vote }: &Stump) -> String {
+    format!("Stump {{ feature: {feature}, threshold: {}, vote: {vote:?} }}", self::threshold(*threshold))
 }
 
 fn threshold(value: f32) -> String {
