@@ -41,7 +41,8 @@ pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
     let GotoArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
-    match run::run_to(&RunArguments { file, learn: None, map_here: MapHere::default(), outputs }, Some(goal))? {
+    match run::run_to(&RunArguments { file, learn: None, map_here: MapHere::default(), outputs }, Some(goal))?
+    {
         Some(progress) => conclude(&progress, json),
         None => Err(NotFinished("the drive never began".to_owned()).into()),
     }

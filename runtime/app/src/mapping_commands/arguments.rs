@@ -215,7 +215,15 @@ impl MapArguments {
     /// One recording, with the usual values.
     pub fn of_drive(file: PathBuf, out: PathBuf) -> Self {
         let drive = DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None };
-        Self { task: None, files: vec![file], out: Some(out), drive, cell_m: CELL_M, range_m: RANGE_M, json: false }
+        Self {
+            task: None,
+            files: vec![file],
+            out: Some(out),
+            drive,
+            cell_m: CELL_M,
+            range_m: RANGE_M,
+            json: false,
+        }
     }
 }
 
@@ -257,7 +265,9 @@ fn turn(text: &str) -> Result<f64, String> {
 }
 
 fn places(text: &str) -> Option<Vec<f64>> {
-    text.split([',', ';']).map(|word| word.trim().parse::<f64>().ok().filter(|value| value.is_finite())).collect()
+    text.split([',', ';'])
+        .map(|word| word.trim().parse::<f64>().ok().filter(|value| value.is_finite()))
+        .collect()
 }
 
 fn corners(text: &str) -> Result<Corners, String> {

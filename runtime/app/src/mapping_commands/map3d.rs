@@ -78,7 +78,8 @@ pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
     let points = map.cloud.points(least);
     let mut summary = summarise(&map, &read, points.len());
     summary.notes.extend(drive.notes.iter().cloned());
-    [summary.with_wheels, summary.with_gyroscope] = drive.aids.are_there().map(|is| is && arguments.uses_aids());
+    [summary.with_wheels, summary.with_gyroscope] =
+        drive.aids.are_there().map(|is| is && arguments.uses_aids());
     (summary.took_s, summary.ms_per_sweep) =
         (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / map.counters.sweeps.max(1) as f64);
     let files = [
@@ -158,7 +159,9 @@ fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSum
         loops_believed: map.loops_believed,
         loops_refused: map.loops.refused,
         displacement_m: ends.map_or(0.0, |(first, last)| (last.place_m - first.place_m).norm()),
-        turned_deg: ends.map_or(0.0, |(first, last)| turn_angle_rad(&first.rotation.rotation_to(&last.rotation)).to_degrees()),
+        turned_deg: ends.map_or(0.0, |(first, last)| {
+            turn_angle_rad(&first.rotation.rotation_to(&last.rotation)).to_degrees()
+        }),
         cloud_points,
         cubes,
         cubes_replaced,

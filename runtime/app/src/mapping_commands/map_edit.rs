@@ -22,17 +22,19 @@ pub fn run(arguments: &MapEditArguments) -> anyhow::Result<()> {
     };
     if turn_rad != 0.0 {
         map = map.turned(turn_rad);
-        say!("turned by {:.2}° about the map's origin: poses of the former map turn with it", turn_rad.to_degrees());
+        say!(
+            "turned by {:.2}° about the map's origin: poses of the former map turn with it",
+            turn_rad.to_degrees()
+        );
     }
     if let Some(Corners(corners)) = arguments.crop {
         map = map.cropped(corners).ok_or_else(|| {
             BadInput(format!("nothing of the map lies there; it reaches from {}", extent(&map)))
         })?;
     }
-    for (what, corners, state) in [
-        ("erased", &arguments.erase, Occupancy::Free),
-        ("forgotten", &arguments.forget, Occupancy::Unknown),
-    ] {
+    for (what, corners, state) in
+        [("erased", &arguments.erase, Occupancy::Free), ("forgotten", &arguments.forget, Occupancy::Unknown)]
+    {
         for corners in corners {
             let changed = map.fill(&rectangle(*corners), state);
             say!("{what}: {:.2} m²", area_m2(&map, changed));

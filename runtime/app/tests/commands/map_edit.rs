@@ -40,20 +40,41 @@ fn edited_map_opens_and_has_what_was_asked_for() {
     let folder = tempfile::tempdir().expect("a folder");
     let (map, out) = (room(folder.path()), folder.path().join("edited"));
     let [map, place] = [&map, &out].map(|path| path.to_str().expect("a path"));
-    let output = edit(&[map, "--out", place, "--crop", "-1,-1,3,3", "--forget", "2,2,3,3", "--erase", "-1,0,-0.9,1", "--no-go", "0,0;1,0;1,1;0,1"]);
+    let output = edit(&[
+        map,
+        "--out",
+        place,
+        "--crop",
+        "-1,-1,3,3",
+        "--forget",
+        "2,2,3,3",
+        "--erase",
+        "-1,0,-0.9,1",
+        "--no-go",
+        "0,0;1,0;1,1;0,1",
+    ]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let edited = ros_map::load(&out.join("map.yaml")).expect("a map of ROS");
     assert_eq!((edited.geometry().columns(), edited.geometry().rows()), (80, 80));
     assert_eq!(state(&edited, 1.5, 0.5), Some(Occupancy::Free));
     assert_eq!([state(&edited, 2.5, 2.5), state(&edited, 0.5, 0.5)], [Some(Occupancy::Unknown); 2]);
-    assert_eq!([state(&edited, -0.98, 0.5), state(&edited, -0.98, 1.5)], [Some(Occupancy::Free), Some(Occupancy::Occupied)]);
+    assert_eq!(
+        [state(&edited, -0.98, 0.5), state(&edited, -0.98, 1.5)],
+        [Some(Occupancy::Free), Some(Occupancy::Occupied)]
+    );
     let mask = ros_map::load(&out.join("no_go.yaml")).expect("a mask");
-    assert_eq!([state(&mask, 0.5, 0.5), state(&mask, 1.5, 0.5)], [Some(Occupancy::Occupied), Some(Occupancy::Free)]);
+    assert_eq!(
+        [state(&mask, 0.5, 0.5), state(&mask, 1.5, 0.5)],
+        [Some(Occupancy::Occupied), Some(Occupancy::Free)]
+    );
     // The edited map can be edited again, in its own folder.
     let output = edit(&[place, "--turn-deg", "90", "--out", place]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let turned = ros_map::load(&out.join("map.yaml")).expect("a map of ROS");
-    assert_eq!([state(&turned, -2.5, 2.5), state(&turned, -0.5, 1.5)], [Some(Occupancy::Unknown), Some(Occupancy::Free)]);
+    assert_eq!(
+        [state(&turned, -2.5, 2.5), state(&turned, -0.5, 1.5)],
+        [Some(Occupancy::Unknown), Some(Occupancy::Free)]
+    );
     for (arguments, code) in [
         (&[map, "--out", folder.path().to_str().expect("a path")][..], 2),
         (&[map, "--out", place, "--crop", "1,2,3"][..], 2),
@@ -81,7 +102,8 @@ fn published_map_is_turned_to_its_walls() {
         let output = edit(&[input, "--to-walls", "--out", place]);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        let is_straight = !words.contains("turned") || words.contains("turned by 0.") || words.contains("turned by -0.");
+        let is_straight =
+            !words.contains("turned") || words.contains("turned by 0.") || words.contains("turned by -0.");
         assert!(expected.is_none() || is_straight, "turned again: {words}");
     }
 }
@@ -105,5 +127,8 @@ fn simulated_drive_leaves_a_map() {
     let bytes = |folder: &Path| std::fs::read(folder.join("map.pgm")).expect("a picture");
     assert!(bytes(&out) == bytes(&again), "the same drive gives the same map");
     let foreign = folder.path().to_str().expect("a path");
-    assert_eq!(floorguard(&["simulate", "--scenario", "supermarket", "--map-here", foreign]).status.code(), Some(2));
+    assert_eq!(
+        floorguard(&["simulate", "--scenario", "supermarket", "--map-here", foreign]).status.code(),
+        Some(2)
+    );
 }

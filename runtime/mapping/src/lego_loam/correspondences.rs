@@ -161,10 +161,10 @@ mod tests {
         let plane = [Vector3::new(4.0, 1.0, -1.0), Vector3::new(4.1, 1.9, 1.0), Vector3::new(5.0, 0.0, 0.2)];
         let here = feature(4.4, 0.8, 0.3, 3);
         let at = |turn: Vector3<f64>, step_m: Vector3<f64>| SweepStep { angles_rad: turn, step_m };
-        let measures: [&dyn Fn(SweepStep) -> Distance; 2] = [
-            &|step| from_line(&here, step, line, false).unwrap(),
-            &|step| from_plane(&here, step, plane, false).unwrap(),
-        ];
+        let measures: [&dyn Fn(SweepStep) -> Distance; 2] =
+            [&|step| from_line(&here, step, line, false).unwrap(), &|step| {
+                from_plane(&here, step, plane, false).unwrap()
+            }];
         for measure in measures {
             let exact = measure(SweepStep::default());
             for axis in 0..3 {

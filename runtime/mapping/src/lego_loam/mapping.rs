@@ -184,7 +184,8 @@ impl Mapping {
         let origin = near[0] + Vector3::repeat(10.0);
         let points = SMatrix::<f64, NEIGHBOURS, 3>::from_fn(|row, column| (near[row] - origin)[column]);
         let squares = points.transpose() * points;
-        let normal = squares.try_inverse()? * (points.transpose() * SMatrix::<f64, NEIGHBOURS, 1>::repeat(-1.0));
+        let normal =
+            squares.try_inverse()? * (points.transpose() * SMatrix::<f64, NEIGHBOURS, 1>::repeat(-1.0));
         let length = libm::sqrt(normal.norm_squared());
         let (normal, offset) = (normal / length, 1.0 / length);
         let distance_of = |place: &Vector3<f64>| normal.dot(&(place - origin)) + offset;
@@ -228,7 +229,11 @@ mod tests {
         for i in 0..60 {
             for j in 0..30 {
                 let (s, t) = (i as f32 * 0.2 - 6.0, j as f32 * 0.2 - 3.0);
-                points.extend([Vector3::new(s, t, -0.8), Vector3::new(s, 3.0, 0.4 * t + 0.4), Vector3::new(6.0, t, 0.5)]);
+                points.extend([
+                    Vector3::new(s, t, -0.8),
+                    Vector3::new(s, 3.0, 0.4 * t + 0.4),
+                    Vector3::new(6.0, t, 0.5),
+                ]);
                 points.push(Vector3::new(6.0, t, 0.1 * (i % 20) as f32));
             }
         }
@@ -249,11 +254,13 @@ mod tests {
         let truth = Pose3::identity().moved(Vector3::new(0.01, -0.01, 0.05), Vector3::new(0.4, 0.1, 0.02));
         let back = truth.inverse();
         let seen = |points: Points| -> Points {
-            let moved = |point: &Vector3<f32>| back.transform(&point.map(f64::from)).map(|value| value as f32);
+            let moved =
+                |point: &Vector3<f32>| back.transform(&point.map(f64::from)).map(|value| value as f32);
             points.iter().map(moved).collect()
         };
         let start = truth.moved(Vector3::new(-0.005, 0.005, 0.02), Vector3::new(0.06, -0.05, 0.03));
-        let pose = mapping.push(SweepFeatures { edges: seen(edges()), surfaces: seen(surfaces()) }, start, &config);
+        let pose =
+            mapping.push(SweepFeatures { edges: seen(edges()), surfaces: seen(surfaces()) }, start, &config);
         let off = truth.inverse().compose(&pose);
         assert!(off.place_m.norm() < 0.01 && off.rotation_vector().norm() < 0.003, "{off:?}");
         assert_eq!(mapping.keys(), 2, "0.4 m from the first");

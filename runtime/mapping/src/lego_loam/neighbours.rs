@@ -60,7 +60,8 @@ mod tests {
     #[test]
     fn five_nearest_are_those_of_a_plain_search() {
         let number = |seed: u32| libm::sinf(seed as f32 * 12.9898) * 1.5;
-        let points: Vec<_> = (0..400).map(|i| Vector3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2))).collect();
+        let points: Vec<_> =
+            (0..400).map(|i| Vector3::new(number(3 * i), number(3 * i + 1), number(3 * i + 2))).collect();
         let index = PointIndex::new(&points);
         let mut found = 0;
         for seed in 0..60 {

@@ -147,7 +147,9 @@ impl Solver {
                 projection * (inverse * gradient * -GAIN)
             }
             StepSolver::Damped => {
-                let Some(by) = self.damped((&matrix, &gradient), (*step, measure), &projection) else { return true };
+                let Some(by) = self.damped((&matrix, &gradient), (*step, measure), &projection) else {
+                    return true;
+                };
                 by
             }
         };

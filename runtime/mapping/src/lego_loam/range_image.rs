@@ -25,8 +25,11 @@ pub(super) struct RangeImage {
 impl RangeImage {
     /// A later return takes the place of an earlier one in the same cell.
     pub(super) fn new(sweep: &[SweepReturn], config: &LegoLoamConfig) -> Self {
-        let mut image =
-            Self { rows: config.rows, columns: config.columns, cells: vec![None; config.rows * config.columns] };
+        let mut image = Self {
+            rows: config.rows,
+            columns: config.columns,
+            cells: vec![None; config.rows * config.columns],
+        };
         for each in sweep {
             let point = each.point_in_sensor;
             if !point.iter().all(|value| value.is_finite()) {
@@ -92,7 +95,10 @@ mod tests {
             ring: 7,
         };
         let bad = SweepReturn { point_in_sensor: Vector3::new(f32::NAN, 1.0, 0.0), time_share: 0.0, ring: 7 };
-        let image = RangeImage::new(&[each(3.0, 0.1), each(5.0, 0.2), each(0.9, 0.3), bad], &LegoLoamConfig::default());
+        let image = RangeImage::new(
+            &[each(3.0, 0.1), each(5.0, 0.2), each(0.9, 0.3), bad],
+            &LegoLoamConfig::default(),
+        );
         assert_eq!(image.at(7, 900).map(|cell| cell.range_m), Some(5.0));
         assert_eq!(image.cells.iter().flatten().count(), 1);
     }

@@ -53,7 +53,8 @@ fn edges_and_flats_are_picked_by_sector() {
     };
     assert!(features.sharp.iter().all(at_fold), "{:?}", features.sharp);
     // Picked edges are more than five columns apart.
-    let mut columns: Vec<usize> = features.less_sharp.iter().map(|feature| feature.point.y as usize).collect();
+    let mut columns: Vec<usize> =
+        features.less_sharp.iter().map(|feature| feature.point.y as usize).collect();
     columns.sort_unstable();
     assert!(columns.windows(2).all(|pair| pair[1] - pair[0] > SIDE), "{columns:?}");
     let ground = select(&row(&vec![5.0; 600], true), &LegoLoamConfig::default());

@@ -35,7 +35,13 @@ impl LegoLoam {
     /// Nothing seen.
     #[must_use]
     pub fn new(config: LegoLoamConfig) -> Self {
-        Self { config, odometry: Odometry::default(), mapping: Mapping::default(), mapped: None, mapped_s: 0.0 }
+        Self {
+            config,
+            odometry: Odometry::default(),
+            mapping: Mapping::default(),
+            mapped: None,
+            mapped_s: 0.0,
+        }
     }
 
     /// Takes a sweep that ended at a time, seconds.

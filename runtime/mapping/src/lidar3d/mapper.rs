@@ -100,11 +100,7 @@ impl Mapper3 {
     ///
     /// # Errors
     /// A loop was found, and the graph cannot be solved.
-    pub fn push(
-        &mut self,
-        sweep: SweepRecord,
-        aid: &MotionAid,
-    ) -> Result<Option<SweepOutcome>, Unsolvable> {
+    pub fn push(&mut self, sweep: SweepRecord, aid: &MotionAid) -> Result<Option<SweepOutcome>, Unsolvable> {
         let Some(times) = sweep_times(&sweep, self.last_s) else {
             self.counters.not_later += 1;
             return Ok(None);

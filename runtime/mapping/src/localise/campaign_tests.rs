@@ -1,6 +1,8 @@
 //! Global localisation in random buildings of which a third of each scan has changed since they were mapped. The world is a raster
 //! of its own, and its rays are stepped through it: nothing of the code under test makes the scans.
 
+use std::f64::consts::PI;
+
 use floorguard_mapping::Occupancy;
 
 use super::*;
@@ -14,7 +16,7 @@ struct Random(u64);
 impl Random {
     fn new(seed: u64) -> Self {
         let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        (0..4).for_each(|_| drop(random.within(0.0, 1.0)));
+        (0..4).for_each(|_| _ = random.within(0.0, 1.0));
         random
     }
 
@@ -81,7 +83,7 @@ impl World {
     }
 
     fn clearance_m(&self, place: [f64; 2]) -> f64 {
-        (0..24).map(|step| self.range_m(place, f64::from(step) * 0.2618)).fold(f64::INFINITY, f64::min)
+        (0..24).map(|step| self.range_m(place, f64::from(step) * PI / 12.0)).fold(f64::INFINITY, f64::min)
     }
 
     fn map(&self) -> GridMap {
@@ -115,7 +117,8 @@ impl Building {
         for wall in [[[0.0, 0.0], [0.1, height]], [[width - 0.1, 0.0], [width, height]]] {
             walls.draw(wall);
         }
-        for (low, high, corridor) in [(0.0, middle - 1.2, middle - 1.2), (middle + 1.2, height, middle + 1.2)] {
+        for (low, high, corridor) in [(0.0, middle - 1.2, middle - 1.2), (middle + 1.2, height, middle + 1.2)]
+        {
             let mut left = 0.0;
             while left < width - 2.0 {
                 let right = if width - left < 9.0 { width } else { left + random.within(4.0, 8.0) };
@@ -153,7 +156,7 @@ fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
         ];
         (world.clearance_m(place) > 0.7).then_some(place)
     })?;
-    let mut pose = Se2::new(start[0], start[1], random.within(-3.14, 3.14));
+    let mut pose = Se2::new(start[0], start[1], random.within(-PI, PI));
     let mut wanted: Option<f64> = None;
     let mut path = vec![pose];
     for _ in 0..(DRIVE_S / STEP_S) as usize {
@@ -163,7 +166,7 @@ fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
             sides.into_iter().fold(f64::INFINITY, f64::min)
         };
         if wanted.is_none() && free(pose.heading_rad) < 0.8 {
-            let turns = (0..16).map(|step| pose.heading_rad + 0.3927 * f64::from(step));
+            let turns = (0..16).map(|step| pose.heading_rad + PI / 8.0 * f64::from(step));
             let scored = turns.map(|angle| (free(angle).min(6.0) * random.within(0.5, 1.0), angle));
             wanted = scored.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, angle)| angle);
         }
@@ -192,7 +195,8 @@ fn scan(world: &World, pose: &Se2) -> Vec<f64> {
 
 /// Moves and adds furniture, away from the path, until a third of the returns of the drive have changed.
 fn changed(building: &Building, mapped: &World, path: &[Se2], random: &mut Random) -> (World, f64) {
-    let kept: Vec<Cuboid> = building.furniture.iter().enumerate().filter(|(i, _)| i % 3 != 0).map(|(_, f)| *f).collect();
+    let kept: Vec<Cuboid> =
+        building.furniture.iter().enumerate().filter(|(i, _)| i % 3 != 0).map(|(_, f)| *f).collect();
     let mut world = building.with(&kept);
     let mut share = 0.0;
     for _ in 0..80 {
@@ -226,13 +230,36 @@ struct Ended {
     found_s: Option<f64>,
     wrong: bool,
     changed: f64,
+    statistics: LocaliserStatistics,
+}
+
+/// TRIAL
+fn config() -> LocaliseConfig {
+    let mut config = LocaliseConfig::default();
+    for pair in std::env::var("SET").unwrap_or_default().split(',').filter(|p| !p.is_empty()) {
+        let (name, value) = pair.split_once('=').unwrap();
+        let v: f64 = value.parse().unwrap();
+        match name {
+            "score" => config.score_least = v as f32,
+            "through" => config.through_most = v,
+            "ratio" => config.loss_ratio = v as f32,
+            "patience" => config.patience = v,
+            "query" => config.query_path_m = v,
+            "points" => config.query_points = v as usize,
+            "first" => config.first_path_m = v,
+            "confirm" => config.confirm_path_m = v,
+            _ => panic!("{name}"),
+        }
+    }
+    config
 }
 
 fn located(building: &Building, random: &mut Random) -> Option<Ended> {
     let mapped = building.with(&building.furniture);
     let path = drive(&mapped, random)?;
     let (world, changed) = changed(building, &mapped, &path, random);
-    let mut localiser = Localiser::new(KnownMap::new(mapped.map(), &LocaliseConfig::default())?, LocaliseConfig::default());
+    let config = config();
+    let mut localiser = Localiser::new(KnownMap::new(mapped.map(), &config)?, config);
     let mut odometry = Se2::default();
     let mut ended = Ended { changed, ..Ended::default() };
     for (index, pose) in path.iter().enumerate() {
@@ -259,6 +286,7 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
             ended.found_s = Some(record.time_s);
         }
     }
+    ended.statistics = localiser.statistics;
     Some(ended)
 }
 
@@ -266,7 +294,8 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
 #[test]
 fn places_are_found_in_changed_buildings() {
     let order = std::env::var("FLOORGUARD_LOCALISATION").unwrap_or_else(|_| "2x2".to_owned());
-    let (maps, starts) = order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((2, 2));
+    let (maps, starts) =
+        order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((2, 2));
     let (mut all, mut found, mut soon, mut wrong) = (0_u32, 0_u32, 0_u32, 0_u32);
     let mut share = 0.0;
     for map in 0..maps {
@@ -284,7 +313,10 @@ fn places_are_found_in_changed_buildings() {
             }
         }
     }
-    println!("{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain", share / f64::from(all.max(1)));
+    println!(
+        "{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain",
+        share / f64::from(all.max(1))
+    );
     assert_eq!(wrong, 0, "of {all}");
     assert!(all >= 3 && found * 4 >= all * 3, "{found} of {all}");
 }

@@ -60,8 +60,9 @@ impl Aids {
         if lidar_in_robot.is_none() && !found.odometry.is_empty() {
             notes.push(format!("no frame tells where {lidar_frame} is mounted: the wheels are not used"));
         }
-        let gyroscope_in_lidar =
-            lidar_in_robot.zip(gyroscope).map(|(lidar, gyroscope)| lidar.rotation.transpose() * gyroscope.rotation);
+        let gyroscope_in_lidar = lidar_in_robot
+            .zip(gyroscope)
+            .map(|(lidar, gyroscope)| lidar.rotation.transpose() * gyroscope.rotation);
         if gyroscope_in_lidar.is_none() && !found.gyroscope.is_empty() {
             notes.push("no frame tells where the gyroscope is mounted: it is not used".to_owned());
         }
@@ -106,7 +107,8 @@ impl Aids {
         let duration_s = (end_s - start_s).max(1.0e-3);
         // The motion is an arc: seen from its middle it is straight.
         let (sin, cos) = libm::sincos(-0.5 * motion.heading_rad);
-        let ahead = Vector3::new(cos * motion.x_m - sin * motion.y_m, sin * motion.x_m + cos * motion.y_m, 0.0);
+        let ahead =
+            Vector3::new(cos * motion.x_m - sin * motion.y_m, sin * motion.x_m + cos * motion.y_m, 0.0);
         let turn = Vector3::new(0.0, 0.0, motion.heading_rad / duration_s);
         let back = mounting.rotation.transpose();
         let linear = back * (ahead / duration_s + turn.cross(&mounting.place_m));

@@ -138,7 +138,11 @@ mod tests {
         let kinds = [
             (field("t", 12, 6), nanoseconds.concat(), 5.1),
             (field("time", 12, 7), before.concat(), 5.0),
-            (field("timestamp", 12, 8), [point(2.0, &calendar(0.1)), point(3.0, &calendar(0.0))].concat(), 2.0e9 + 0.1),
+            (
+                field("timestamp", 12, 8),
+                [point(2.0, &calendar(0.1)), point(3.0, &calendar(0.0))].concat(),
+                2.0e9 + 0.1,
+            ),
         ];
         for (time, data, end_s) in kinds {
             let step = if time.datatype == 8 { 20 } else { 16 };

@@ -114,7 +114,8 @@ impl SpaceSurvey {
     fn message(&mut self, message: &Recorded) -> Option<()> {
         let topic = message.topic.to_string();
         if &*message.encoding != "cdr" {
-            self.others.insert(topic, format!("{}, serialised as {:?}", kind(&message.schema), &*message.encoding));
+            self.others
+                .insert(topic, format!("{}, serialised as {:?}", kind(&message.schema), &*message.encoding));
             return None;
         }
         match kind(&message.schema) {
@@ -169,13 +170,18 @@ impl SpaceSurvey {
             (None, None) => {
                 let others: Vec<String> =
                     self.others.iter().map(|(topic, kind)| format!("{topic} ({kind})")).collect();
-                return Err(format!("no lidar in space in it (PointCloud2, {}); it holds {}", RawStream::Lidar.topic(), others.join(", ")));
+                return Err(format!(
+                    "no lidar in space in it (PointCloud2, {}); it holds {}",
+                    RawStream::Lidar.topic(),
+                    others.join(", ")
+                ));
             }
         };
         let named = self.odometry.keys().find(|topic| topic.contains("odom")).cloned();
         let first = named.or_else(|| self.odometry.keys().next().cloned());
         let odometry = first.and_then(|topic| self.odometry.remove(&topic)).filter(|track| !track.is_empty());
-        let (gyroscope_frame, gyroscope) = self.gyroscope.pop_first().map(|(_, found)| found).unwrap_or_default();
+        let (gyroscope_frame, gyroscope) =
+            self.gyroscope.pop_first().map(|(_, found)| found).unwrap_or_default();
         let odometry = odometry.unwrap_or(self.by_frames);
         let aids = AidsFound { odometry, gyroscope, frames: self.frames, gyroscope_frame };
         Ok(Surveyed { source, sweeps, frame, aids })

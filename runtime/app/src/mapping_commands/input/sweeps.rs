@@ -120,11 +120,7 @@ impl Cutter {
     }
 
     /// The first revolution of a capture and the last one are parts.
-    fn complete(
-        &mut self,
-        read: &mut SweepsRead,
-        take: &mut SweepSink<'_>,
-    ) -> anyhow::Result<()> {
+    fn complete(&mut self, read: &mut SweepsRead, take: &mut SweepSink<'_>) -> anyhow::Result<()> {
         let building = std::mem::take(&mut self.building);
         self.largest = self.largest.max(building.len());
         if !std::mem::replace(&mut self.has_begun, true) {
@@ -138,11 +134,7 @@ impl Cutter {
     ///
     /// # Errors
     /// What `take` says.
-    pub fn finish(
-        mut self,
-        read: &mut SweepsRead,
-        take: &mut SweepSink<'_>,
-    ) -> anyhow::Result<()> {
+    pub fn finish(mut self, read: &mut SweepsRead, take: &mut SweepSink<'_>) -> anyhow::Result<()> {
         let building = std::mem::take(&mut self.building);
         if self.has_begun && (building.len() as f64) < PART * self.largest as f64 {
             read.parts += 1;

@@ -170,7 +170,8 @@ impl SpaceCloser {
     }
 
     fn stretch_of(&self, key: usize) -> Option<std::ops::Range<usize>> {
-        let stretch = self.search.stretches.iter().find(|stretch| (stretch.first..stretch.end).contains(&key))?;
+        let stretch =
+            self.search.stretches.iter().find(|stretch| (stretch.first..stretch.end).contains(&key))?;
         Some(stretch.first..stretch.end)
     }
 

@@ -155,7 +155,8 @@ fn correction_passes_evenly_between_key_sweeps() {
         closer.push(key, std::iter::empty()).unwrap();
     }
     closer.poses[1].place_m.y = 0.1;
-    let places = [0, 5, 10, 12].map(|sweep| closer.corrected(sweep, &pose(0.1 * f64::from(sweep as u8))).place_m);
+    let places =
+        [0, 5, 10, 12].map(|sweep| closer.corrected(sweep, &pose(0.1 * f64::from(sweep as u8))).place_m);
     for (place, y) in places.iter().zip([0.0, 0.05, 0.1, 0.1]) {
         assert!((place.y - y).abs() < 1.0e-9, "{places:?}");
     }

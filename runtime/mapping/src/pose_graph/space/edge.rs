@@ -89,20 +89,17 @@ mod tests {
         let from = pose([0.1, -0.2, 0.9], [3.0, -1.0, 0.4]);
         let to = pose([-0.05, 0.1, 1.6], [4.0, 2.0, 0.1]);
         let measured = pose([0.02, 0.2, 0.5], [2.5, 1.5, -0.2]);
-        let edge = SpaceEdge {
-            from: 0,
-            to: 1,
-            measured,
-            information: Matrix6::identity(),
-            kind: EdgeKind::Loop,
-        };
+        let edge =
+            SpaceEdge { from: 0, to: 1, measured, information: Matrix6::identity(), kind: EdgeKind::Loop };
         let exact = edge.derivatives(&from, &to);
         for column in 0..6 {
             let mut step = Vector6::zeros();
             step[column] = 1.0e-6;
             let (turn, place) = (step.fixed_rows::<3>(0).into_owned(), step.fixed_rows::<3>(3).into_owned());
-            let first = edge.error(&from.moved(turn, place), &to) - edge.error(&from.moved(-turn, -place), &to);
-            let second = edge.error(&from, &to.moved(turn, place)) - edge.error(&from, &to.moved(-turn, -place));
+            let first =
+                edge.error(&from.moved(turn, place), &to) - edge.error(&from.moved(-turn, -place), &to);
+            let second =
+                edge.error(&from, &to.moved(turn, place)) - edge.error(&from, &to.moved(-turn, -place));
             assert!((first / 2.0e-6 - exact.first.column(column)).norm() < 1.0e-5, "first {column}");
             assert!((second / 2.0e-6 - exact.second.column(column)).norm() < 1.0e-5, "second {column}");
         }

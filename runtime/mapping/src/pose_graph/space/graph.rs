@@ -139,14 +139,17 @@ impl SpaceGraph {
 
     fn step(&mut self, step: &[f64]) {
         for (pose, step) in self.poses.iter_mut().skip(1).zip(step.chunks_exact(6)) {
-            *pose = pose.moved(Vector3::new(step[0], step[1], step[2]), Vector3::new(step[3], step[4], step[5]));
+            *pose =
+                pose.moved(Vector3::new(step[0], step[1], step[2]), Vector3::new(step[3], step[4], step[5]));
         }
     }
 
     fn linearise(&self, system: &mut BlockSystem, weights: &[f64]) {
         system.clear();
         for (index, (edge, weight)) in self.edges.iter().zip(weights).enumerate() {
-            let (Some(from), Some(to)) = (self.poses.get(edge.from), self.poses.get(edge.to)) else { continue };
+            let (Some(from), Some(to)) = (self.poses.get(edge.from), self.poses.get(edge.to)) else {
+                continue;
+            };
             let error = edge.error(from, to);
             let by = edge.derivatives(from, to);
             let information = edge.information * *weight;
