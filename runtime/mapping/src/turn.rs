@@ -37,7 +37,7 @@ mod tests {
     #[test]
     fn turns_agree_with_those_of_nalgebra() {
         let vectors =
-            [[0.0, 0.0, 0.0], [1e-10, 0.0, 0.0], [0.3, -0.2, 0.9], [0.0, 3.1, 0.4], [0.0, 0.0, 3.14159]];
+            [[0.0, 0.0, 0.0], [1e-10, 0.0, 0.0], [0.3, -0.2, 0.9], [0.0, 3.1, 0.4], [0.0, 0.0, 3.1]];
         for vector in vectors.map(Vector3::from) {
             let ours = turn_about(&vector);
             assert!(ours.angle_to(&UnitQuaternion::from_scaled_axis(vector)) < 1e-12, "{vector}");

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
-use floorguard_app::mapping_commands::{DriveArguments, MapArguments, map};
+use floorguard_app::mapping_commands::{MapArguments, map};
 use floorguard_mapping_host::Se2;
 use floorguard_mapping_host::metrics::{RelationScore, read_relations, read_tum, score_relations};
 
@@ -49,16 +49,7 @@ pub fn slam(folder: &Path) -> anyhow::Result<(String, bool)> {
 }
 
 fn arguments(file: &Path, out: &Path) -> MapArguments {
-    MapArguments {
-        task: None,
-        files: vec![file.to_owned()],
-        out: Some(out.to_owned()),
-        clean: false,
-        drive: DriveArguments { topic: None, without_odometry: false, from: 0.0, to: None },
-        cell_m: 0.05,
-        range_m: 30.0,
-        json: false,
-    }
+    MapArguments::of_drive(file.to_owned(), out.to_owned())
 }
 
 fn row(table: &mut String, log: &Log, score: &RelationScore, took_s: f64) {

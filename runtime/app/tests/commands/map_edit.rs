@@ -36,7 +36,7 @@ fn room(folder: &Path) -> std::path::PathBuf {
 }
 
 #[test]
-fn edited_map_opens_and_has_what_was_asked_for() {
+fn edited_map_has_what_was_asked() {
     let folder = tempfile::tempdir().expect("a folder");
     let (map, out) = (room(folder.path()), folder.path().join("edited"));
     let [map, place] = [&map, &out].map(|path| path.to_str().expect("a path"));

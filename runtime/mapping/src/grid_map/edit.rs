@@ -71,8 +71,8 @@ impl GridMap {
         mask
     }
 
-    /// The map turned counter-clockwise about its origin. A cell takes the state of the old one in whose place it lies, and a
-    /// wall that would get a hole so is drawn through.
+    /// The map turned counter-clockwise about its origin. A cell takes the state of the old one in whose place it lies, and where
+    /// free floor would touch the unknown through a hole in a wall, the wall is drawn through.
     #[must_use]
     pub fn turned(&self, by_rad: f64) -> Self {
         let (sin, cos) = libm::sincos(by_rad);
@@ -97,13 +97,18 @@ impl GridMap {
             self.at(column, row)
         };
         map.cells = (0..map.columns * map.rows).map(state).collect();
-        for index in (0..self.cells.len()).filter(|index| self.cells[*index] == Occupancy::Occupied) {
-            let [column, row] = map.cell_of(forward(self.centre_m(index)));
-            let inside =
-                |value: i64, count: usize| usize::try_from(value).ok().filter(|value| *value < count);
-            if let Some((column, row)) = inside(column, map.columns).zip(inside(row, map.rows)) {
-                map.cells[row * map.columns + column] = Occupancy::Occupied;
-            }
+        let is_leak = |index: usize| {
+            let (column, row) = ((index % map.columns) as i64, (index / map.columns) as i64);
+            let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(x, y)| map.at(column + x, row + y));
+            let [column, row] = self.cell_of(back(map.centre_m(index)));
+            let near = (0..9).map(|cell| self.at(column + cell % 3 - 1, row + cell / 3 - 1));
+            map.cells[index] == Occupancy::Free
+                && beside.contains(&Occupancy::Unknown)
+                && near.into_iter().any(|state| state == Occupancy::Occupied)
+        };
+        let leaks: Vec<usize> = (0..map.cells.len()).filter(|index| is_leak(*index)).collect();
+        for index in leaks {
+            map.cells[index] = Occupancy::Occupied;
         }
         map
     }

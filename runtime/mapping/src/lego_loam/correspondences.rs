@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn partners_are_on_the_rows_that_the_program_takes() {
+    fn partners_are_on_the_published_rows() {
         let last = [
             feature(5.0, 0.0, 0.0, 4),
             feature(5.0, 0.3, 0.0, 4),

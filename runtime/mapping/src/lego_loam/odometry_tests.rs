@@ -49,7 +49,7 @@ fn off(pose: &Pose3, truth: &Pose3) -> [f64; 2] {
 }
 
 #[test]
-fn published_step_and_damped_one_find_the_same_motion() {
+fn both_solvers_find_the_same_motion() {
     let step =
         SweepStep { angles_rad: Vector3::new(0.004, -0.003, 0.02), step_m: Vector3::new(0.06, -0.02, 0.01) };
     let damped = found(step, StepSolver::Damped, 25);

@@ -31,7 +31,7 @@ fn hidden_side_of_a_step_is_marked() {
 }
 
 #[test]
-fn single_returns_that_stand_out_are_along_the_view() {
+fn single_returns_are_along_the_view() {
     let mut ranges = vec![4.0; 40];
     ranges[20] = 4.2;
     let cloud = row(&ranges, false);

@@ -7,16 +7,26 @@ use nalgebra::Vector3;
 
 use super::features::Feature;
 
+/// What lies in a cube of a row.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    place: Vector3<f32>,
+    time: f32,
+    count: f32,
+}
+
 /// The means, ordered by row and cube.
 pub(super) fn thinned(features: &[Feature], edge_m: f32) -> Vec<Feature> {
-    let mut cubes: BTreeMap<(u8, [i32; 3]), (Vector3<f32>, f32, f32)> = BTreeMap::new();
+    let mut cubes: BTreeMap<(u8, [i32; 3]), Sums> = BTreeMap::new();
     for feature in features {
         let cell = feature.point.map(|value| libm::floorf(value / edge_m) as i32);
-        let entry = cubes.entry((feature.row, cell.into())).or_insert((Vector3::zeros(), 0.0, 0.0));
-        *entry = (entry.0 + feature.point, entry.1 + feature.time_share, entry.2 + 1.0);
+        let sums = cubes.entry((feature.row, cell.into())).or_default();
+        sums.place += feature.point;
+        sums.time += feature.time_share;
+        sums.count += 1.0;
     }
-    let mean = |((row, _), (sum, time, count)): ((u8, [i32; 3]), (Vector3<f32>, f32, f32))| Feature {
-        point: sum / count,
+    let mean = |((row, _), Sums { place, time, count }): (_, Sums)| Feature {
+        point: place / count,
         row,
         time_share: time / count,
     };

@@ -156,7 +156,7 @@ mod tests {
 
     /// A robot that turns left about its middle; its lidar is 0.5 m ahead and looks to the left.
     #[test]
-    fn speeds_are_those_of_the_lidar_in_its_axes() {
+    fn speeds_are_those_of_the_lidar() {
         let rotation = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
         let mut found = AidsFound { gyroscope_frame: "imu".to_owned(), ..AidsFound::default() };
         for (child, rotation) in [("lidar", rotation), ("imu", Transform3::IDENTITY.rotation)] {

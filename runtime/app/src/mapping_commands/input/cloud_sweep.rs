@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn clouds_without_lasers_and_times_are_sorted_by_direction() {
+    fn plain_clouds_are_sorted_by_direction() {
         let place = vec![field("x", 0, 7), field("y", 4, 7), field("z", 8, 7)];
         let points: [[f32; 3]; 3] = [[1.0, 0.0, 0.1], [0.0, 1.0, -0.1], [-1.0, -0.01, 0.1]];
         let data: Vec<u8> = points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
