@@ -13,11 +13,14 @@ use super::rules::{Choice, Rules, Target};
 const SCAN_M: f32 = 0.2;
 /// A decision every so many metres: three seconds at 0.5 m/s, as the published launch file.
 const DECIDE_M: f32 = 1.5;
-const SPEED_MPS: f32 = 0.5;
+/// A decision takes so long, whether the robot moves or not: the published rate, seconds.
+const DECISION_S: f32 = 3.0;
+/// Who moves less for the same target is there, metres.
+const THERE_M: f32 = 0.3;
 /// A frontier whose middle moved by more was another one, metres.
 const SAME_M: f32 = 1.0;
 /// Decisions in a building at most.
-const DECISIONS_MAX: u32 = 6_000;
+const DECISIONS_MAX: u32 = 1_500;
 
 /// What came of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +33,7 @@ pub struct Explored {
     pub decisions: u32,
     /// The rules said themselves that nothing is left.
     pub has_ended: bool,
-    /// Where the robot was each time that a target was done: reached, or seen from afar.
+    /// Where the robot was each time that a target was done: reached, seen from afar, or left for another.
     pub view_points: Vec<Point2>,
 }
 
@@ -63,11 +66,11 @@ pub fn explore(building: &Building, rules: Rules) -> anyhow::Result<Explored> {
     // It turns once on the spot.
     drive.scan(0.0);
     drive.scan(PI);
-    let (mut target, mut passed_s): (Option<Target>, f32) = (None, 0.0);
+    let (mut target, mut looked): (Option<Target>, bool) = (None, false);
     for _ in 0..DECISIONS_MAX {
         drive.known.refresh(geometry);
         drive.explored.decisions += 1;
-        let next = choice.next(drive.known.costmap(geometry), drive.robot, passed_s);
+        let next = choice.next(drive.known.costmap(geometry), drive.robot, DECISION_S);
         let is_done = |old: &Target| next.is_none_or(|new| new.frontier.distance(old.frontier) > SAME_M);
         if target.as_ref().is_some_and(is_done) {
             drive.explored.view_points.push(drive.robot);
@@ -76,17 +79,16 @@ pub fn explore(building: &Building, rules: Rules) -> anyhow::Result<Explored> {
             drive.explored.has_ended = true;
             break;
         };
-        target = Some(next);
-        let went_m = drive.follow(next.place);
-        passed_s = went_m / SPEED_MPS;
-        if went_m <= 0.0 {
+        let is_same = target.replace(next).is_some_and(|old| old.frontier.distance(next.frontier) <= SAME_M);
+        let is_there = drive.follow(next.place) < THERE_M;
+        if is_there && is_same && looked {
+            choice.give_up();
+            drive.explored.view_points.push(drive.robot);
+        } else if is_there {
             // There already, and still a frontier: a turn shows what lies behind, or nothing does.
             drive.scan(drive.heading_rad + PI);
-            if drive.explored.view_points.last() == Some(&drive.robot) {
-                choice.give_up();
-            }
-            drive.explored.view_points.push(drive.robot);
         }
+        looked = is_there;
     }
     drive.explored.covered_share = building.covered_share(&drive.known);
     Ok(drive.explored)

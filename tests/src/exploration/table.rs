@@ -29,6 +29,7 @@ impl Line {
     fn of(building: &Building, rules: Rules) -> anyhow::Result<Self> {
         let explored = explore(building, rules)?;
         let tour_m = best_tour_m(building, &explored.view_points)?;
+        eprintln!("{} by {rules:?}: {} decisions", building.name, explored.decisions);
         Ok(Self { name: building.name.clone(), rules, area_m2: building.reachable_m2(), explored, tour_m })
     }
 
