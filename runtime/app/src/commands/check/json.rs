@@ -95,7 +95,7 @@ fn limit(limit: &DirectionLimit) -> LimitRow {
 fn unknown_rear(configuration: &HostedConfiguration) -> Option<UnknownRearRow> {
     let unseen = &configuration.robot.unseen;
     (unseen.known_after_m > 0.0)
-        .then(|| UnknownRearRow { limit_mps: unseen.unknown_rear_mps, known_after_m: unseen.known_after_m })
+        .then_some(UnknownRearRow { limit_mps: unseen.unknown_rear_mps, known_after_m: unseen.known_after_m })
 }
 
 fn row(found: &SensorGap, configuration: &HostedConfiguration) -> GapRow {
