@@ -25,6 +25,8 @@
 extern crate std;
 
 mod decide;
+#[cfg(test)]
+mod drive_tests;
 mod field_selection;
 mod limiter;
 mod machine;

@@ -58,6 +58,12 @@ impl Supervisor {
         self.contents.see_packet(packet, (&self.rays, &self.packet_table), self.memory.pose());
     }
 
+    /// More firings of the same packet, as many as [`Thresholds::memory_firings`](crate::Thresholds::memory_firings) says: for a
+    /// computer that has the time. Call it after [`Self::remember_packet`] (FG-REQ-066).
+    pub fn remember_more(&mut self, packet: &LidarPacket) {
+        self.memory.take_more(packet, (&self.rays, &self.packet_table), &self.config.thresholds);
+    }
+
     /// The same for a scan, after [`Self::on_scan`]. A scan of another geometry than the configured one says nothing.
     pub fn remember_scan(&mut self, scan: &Scan) {
         if self.scan_table.fits(scan) {

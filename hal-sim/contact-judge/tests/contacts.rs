@@ -69,6 +69,7 @@ fn motion_with_touched_bumper_is_reported() {
     assert_eq!(went_on([0.0, 0.08], 5.15), 0);
     assert_eq!(went_on([0.0, 0.08], 5.4), 1);
     assert_eq!(went_on([0.5, 0.6], 5.4), 0, "nothing feels that high");
+    assert_eq!(went_on([0.0, 0.03], 5.4), 0, "it lies below the bumper");
 }
 
 /// The rear right corner at (-0.45, -0.40) is 0.602 m from the axle; beside it, 5 cm away, stands a box.

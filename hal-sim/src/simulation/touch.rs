@@ -12,6 +12,15 @@ use crate::robot::{BodyPrism, RobotParameters};
 use crate::scenario::Scenario;
 use crate::scene::Scene;
 
+/// What a bumper has met cannot pass through it: it presses the bumper until it has left the whole body, at the bumper's heights.
+fn whole(front: &BodyPrism, rear: &BodyPrism) -> (Vector, Cuboid) {
+    let both = BodyPrism {
+        outline_m: front.outline_m.iter().chain(&rear.outline_m).copied().collect(),
+        ..front.clone()
+    };
+    strip(&both)
+}
+
 /// Nobody farther away presses a bumper, metres.
 const NEAR_M: f32 = 2.5;
 
@@ -19,6 +28,9 @@ const NEAR_M: f32 = 2.5;
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
     bumpers: Option<[(Vector, Cuboid); 2]>,
+    body: (Vector, Cuboid),
+    /// In front and at the rear.
+    is_pressed: [bool; 2],
     floor: Option<[[Point2; 2]; 2]>,
 }
 
@@ -38,20 +50,26 @@ impl Touch {
         let points = parameters.floor_switches_m.map(|end| end.map(|[x, y]| Point2::new(x, y)));
         Self {
             bumpers: (scenario.bumpers && !scenario.deaf_bumpers).then(|| [strip(front), strip(rear)]),
+            body: whole(front, rear),
+            is_pressed: [false; 2],
             floor: (!scene.drops().is_empty() && !scenario.without_floor_switches).then_some(points),
         }
     }
 
     /// Sets the channels of what is felt at a pose; leaves those of what cannot be felt.
     pub(super) fn feel(
-        &self,
+        &mut self,
         robot: Pose2,
         (scene, people): (&Scene, &[Person]),
         channels: &mut SafetyChannels,
     ) {
-        if let Some([front, rear]) = &self.bumpers {
-            channels.bumper_front = [!is_pressed(front, robot, scene, people); 2];
-            channels.bumper_rear = [!is_pressed(rear, robot, scene, people); 2];
+        if let Some(bumpers) = &self.bumpers {
+            for (bumper, pressed) in bumpers.iter().zip(&mut self.is_pressed) {
+                let met = if *pressed { &self.body } else { bumper };
+                *pressed = is_pressed(met, robot, scene, people);
+            }
+            let [front, rear] = self.is_pressed;
+            (channels.bumper_front, channels.bumper_rear) = ([!front; 2], [!rear; 2]);
         }
         if let Some(switches) = &self.floor {
             channels.floor =
@@ -104,6 +122,27 @@ mod tests {
         // Too low and too high.
         assert_eq!(at(3.0), SafetyChannels::default());
         assert_eq!(at(5.0), SafetyChannels::default());
+    }
+
+    /// A box that the braking robot drives over does not free the bumper that has met it.
+    #[test]
+    fn met_object_presses_until_it_has_left() {
+        let mut builder = SceneBuilder::default();
+        builder.cuboid((2.0, 0.0, 0.0), (0.05, 0.2), (0.0, 0.12), Material::Matte);
+        let scene = builder.build();
+        let scenario = Scenario { bumpers: true, ..Scenario::default() };
+        let mut touch = Touch::new(&RobotParameters::default(), &scenario, &scene);
+        let mut pressed = |x_m: f32| {
+            let mut channels = SafetyChannels::default();
+            touch.feel(Pose2::new(x_m, 0.0, 0.0), (&scene, &[]), &mut channels);
+            !channels.bumper_front[0]
+        };
+        assert_eq!([0.9, 1.05, 1.5, 2.3].map(&mut pressed), [false, true, true, true]);
+        assert_eq!(
+            [2.6, 2.3, 1.5].map(&mut pressed),
+            [false; 3],
+            "behind the robot, and no front bumper meets it"
+        );
     }
 
     #[test]

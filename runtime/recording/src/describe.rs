@@ -202,6 +202,8 @@ pub fn links(counters: &LinkCounters) -> Diagnostic {
         ("lidar link failures", counters.lidar_errors),
         ("scanner telegrams refused", counters.scanner_refused),
         ("scanner link failures", counters.scanner_errors),
+        ("rear scanner telegrams refused", counters.rear_scanner_refused),
+        ("rear scanner link failures", counters.rear_scanner_errors),
         ("inertial sensor link failures", counters.imu_errors),
         ("CAN failures", counters.can_errors),
         ("CAN frames sent", counters.can_sent),

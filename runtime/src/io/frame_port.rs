@@ -1,5 +1,6 @@
 //! Whole frames in both directions: a socket, or a serial line on which frames are found.
 
+use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use floorguard_drivers::velocity_link::LineReceiver;
 use floorguard_types::time::Stamp;
@@ -39,6 +40,22 @@ pub trait FramePort {
     /// # Errors
     /// The link failed; the frame is lost.
     fn send(&mut self, frame: &[u8]) -> impl Future<Output = Result<(), Self::Error>>;
+}
+
+/// Waits for a moment, if one is given, and then for the next frame: a link that fails at once, again and again, must not keep a task
+/// from its deadlines.
+///
+/// # Errors
+/// As [`FramePort::receive`].
+pub async fn receive_from<P: FramePort>(
+    begin: Option<Stamp>,
+    port: &mut P,
+    buffer: &mut [u8],
+) -> Result<PortFrame, P::Error> {
+    if let Some(stamp) = begin {
+        Timer::at(clock::instant(stamp)).await;
+    }
+    port.receive(buffer).await
 }
 
 /// A serial line, on which one end speaks with one other.

@@ -7,5 +7,5 @@ mod slcan_bus;
 
 pub use can_bus::CanBus;
 pub use datagram::{DatagramReceiver, FirstSender, Received};
-pub use frame_port::{FramePort, LinePort, LinePortError, PortFrame};
+pub use frame_port::{FramePort, LinePort, LinePortError, PortFrame, receive_from};
 pub use slcan_bus::{SlcanBus, SlcanBusError};

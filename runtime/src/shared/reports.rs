@@ -77,10 +77,14 @@ pub struct LinkCounters {
     pub lidar_refused: u32,
     /// Failures of the lidar's socket.
     pub lidar_errors: u32,
-    /// Telegrams of the scanners that are right and of no use.
+    /// Telegrams of the scanner that are right and of no use.
     pub scanner_refused: u32,
-    /// Failures of the scanners' lines.
+    /// Failures of the scanner's line.
     pub scanner_errors: u32,
+    /// Telegrams of the second scanner that are right and of no use.
+    pub rear_scanner_refused: u32,
+    /// Failures of the second scanner's line.
+    pub rear_scanner_errors: u32,
     /// Failures of the inertial sensor's line.
     pub imu_errors: u32,
     /// Failures of the CAN bus.

@@ -13,6 +13,8 @@ use crate::shared::{QueuedPacket, Shared};
 
 /// Longer than the largest datagram of the family (1,206 bytes): a longer one must not pass for a right one.
 const DATAGRAM_BYTES: usize = 1_300;
+/// More than one firing of a packet is remembered where the guard is set up for it: a microcontroller has no time for that.
+const HAS_TIME: bool = cfg!(not(target_os = "none"));
 /// Pause after a failure of the socket, milliseconds.
 const RETRY_MS: u64 = 50;
 
@@ -40,6 +42,9 @@ pub async fn lidar_input<M: RawMutex>(
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
                 shared.remember(|guard| guard.remember_packet(&newest.packet));
+                if HAS_TIME {
+                    shared.remember(|guard| guard.remember_more(&newest.packet));
+                }
                 shared.packets.push(|slot| slot.copy_from(&newest));
                 let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
                 if odd.is_some() || closed.is_some() {

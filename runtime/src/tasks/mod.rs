@@ -14,7 +14,6 @@ mod inputs;
 mod lidar;
 mod mission;
 mod perception;
-mod rear_scanner;
 mod route;
 mod scanner;
 mod supervise;
@@ -32,9 +31,8 @@ pub use inputs::{
 pub use lidar::lidar_input;
 pub use mission::{Mission, MissionMoment, drive_mission};
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, follow_legs, perceive};
-pub use rear_scanner::rear_scanner_input;
 pub use route::drive_route;
-pub use scanner::{SEARCHED_STEP_RAD, scanner_datagrams, scanner_input};
+pub use scanner::{SEARCHED_STEP_RAD, rear_scanner_input, scanner_datagrams, scanner_input};
 pub use supervise::supervise;
 pub use velocity::{VelocityRules, velocity_input};
 pub use velocity_base::velocity_base;

@@ -1,4 +1,4 @@
-//! The safety scanner: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP.
+//! The safety scanners: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
@@ -10,10 +10,10 @@ use floorguard_types::time::Stamp;
 
 use crate::clock;
 use crate::io::DatagramReceiver;
-use crate::shared::Shared;
+use crate::shared::{Complaints, LinkCounters, Shared};
 
 /// At 500 kBd 1 ms is 50 bytes: a read takes what is there.
-pub(super) const PORTION_BYTES: usize = 128;
+const PORTION_BYTES: usize = 128;
 /// What an Ethernet frame holds, and more: a longer datagram must not pass for a right one.
 const DATAGRAM_BYTES: usize = 1_600;
 /// Legs are searched in beams as dense as those they were learned from, radians: half a degree.
@@ -21,10 +21,86 @@ pub const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DE
 /// Bits 0 and 1 of the last byte of its state (book, microScan3: Blocks).
 const DEVICE_ERROR: u16 = 0x03;
 /// Pause after a failure of the line, milliseconds.
-pub(super) const RETRY_MS: u64 = 20;
+const RETRY_MS: u64 = 20;
+
+/// The place of a safety scanner: which source of the guard it is, what its scans are handed on to, and where its failures
+/// are counted.
+trait Place {
+    /// For the guard.
+    const SOURCE: Source;
+
+    /// A scan: the guard first.
+    fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp);
+
+    /// The newest refused telegram.
+    fn complaint(complaints: &mut Complaints) -> &mut Option<s300::TelegramError>;
+
+    /// Telegrams that are right and of no use.
+    fn refused(links: &mut LinkCounters) -> &mut u32;
+
+    /// Failures of the line.
+    fn errors(links: &mut LinkCounters) -> &mut u32;
+}
+
+/// The first scanner: the guard, its display, and the search for people.
+struct Front;
+
+impl Place for Front {
+    const SOURCE: Source = Source::Scanner;
+
+    fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
+        hand_on(shared, scan, now);
+        shared.scans.push(|slot| slot.copy_from(scan));
+    }
+
+    fn complaint(complaints: &mut Complaints) -> &mut Option<s300::TelegramError> {
+        &mut complaints.scanner
+    }
+
+    fn refused(links: &mut LinkCounters) -> &mut u32 {
+        &mut links.scanner_refused
+    }
+
+    fn errors(links: &mut LinkCounters) -> &mut u32 {
+        &mut links.scanner_errors
+    }
+}
+
+/// The second scanner: the guard alone. People are not searched for in its scans.
+struct Rear;
+
+impl Place for Rear {
+    const SOURCE: Source = Source::RearScanner;
+
+    fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
+        shared.decide(|guard| guard.on_rear_scan(scan, now));
+        shared.remember(|guard| guard.remember_rear_scan(scan));
+    }
+
+    fn complaint(complaints: &mut Complaints) -> &mut Option<s300::TelegramError> {
+        &mut complaints.rear_scanner
+    }
+
+    fn refused(links: &mut LinkCounters) -> &mut u32 {
+        &mut links.rear_scanner_refused
+    }
+
+    fn errors(links: &mut LinkCounters) -> &mut u32 {
+        &mut links.rear_scanner_errors
+    }
+}
 
 /// An S300. Guard ring. Runs for ever.
-pub async fn scanner_input<M: RawMutex>(
+pub async fn scanner_input<M: RawMutex>(shared: &Shared<M>, line: impl Read, receiver: s300::Receiver) {
+    s300_input::<Front, M>(shared, line, receiver).await;
+}
+
+/// The second safety scanner, an S300 on a line of its own. Guard ring. Runs for ever.
+pub async fn rear_scanner_input<M: RawMutex>(shared: &Shared<M>, line: impl Read, receiver: s300::Receiver) {
+    s300_input::<Rear, M>(shared, line, receiver).await;
+}
+
+async fn s300_input<P: Place, M: RawMutex>(
     shared: &Shared<M>,
     mut line: impl Read,
     mut receiver: s300::Receiver,
@@ -34,24 +110,21 @@ pub async fn scanner_input<M: RawMutex>(
         let count = match line.read(&mut portion).await {
             Ok(count) if count > 0 => count,
             Ok(_) | Err(_) => {
-                link_down(shared).await;
+                link_down::<P, M>(shared).await;
                 continue;
             }
         };
         let now = clock::now();
         let bytes = portion.get(..count).unwrap_or_default();
         receiver.push(bytes, now, |event| match event {
-            s300::Event::Scan(scan) => {
-                hand_on(shared, scan, now);
-                shared.scans.push(|slot| slot.copy_from(scan));
-            }
-            s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
+            s300::Event::Scan(scan) => P::hand_on(shared, scan, now),
+            s300::Event::StandBy { .. } => fault::<P, M>(shared, FaultKind::StandBy, now),
             s300::Event::Refused(error) => {
                 if let Some(kind) = fault_of_telegram(error) {
-                    fault(shared, kind, now);
+                    fault::<P, M>(shared, kind, now);
                 }
-                shared.complain(|complaints| complaints.scanner = Some(error));
-                count_refused(shared);
+                shared.complain(|complaints| *P::complaint(complaints) = Some(error));
+                count_one(shared, P::refused);
             }
         });
     }
@@ -66,7 +139,7 @@ pub async fn scanner_datagrams<M: RawMutex>(
     let mut buffer = [0; DATAGRAM_BYTES];
     loop {
         let Ok(received) = socket.receive(&mut buffer).await else {
-            link_down(shared).await;
+            link_down::<Front, M>(shared).await;
             continue;
         };
         let bytes = buffer.get(..received.length).unwrap_or_default();
@@ -78,13 +151,13 @@ pub async fn scanner_datagrams<M: RawMutex>(
                 hand_on(shared, scan, now);
                 shared.scans.push(|slot| slot.copy_thinned(scan, SEARCHED_STEP_RAD));
             }
-            microscan3::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
+            microscan3::Event::StandBy { .. } => fault::<Front, M>(shared, FaultKind::StandBy, now),
             microscan3::Event::Refused(error) => {
                 if let Some(kind) = fault_of_message(error) {
-                    fault(shared, kind, now);
+                    fault::<Front, M>(shared, kind, now);
                 }
                 shared.complain(|complaints| complaints.scanner_message = Some(error));
-                count_refused(shared);
+                count_one(shared, Front::refused);
             }
         });
         if is_understood {
@@ -101,7 +174,7 @@ fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
 }
 
 /// What a refused telegram says of its scanner.
-pub(super) const fn fault_of_telegram(error: s300::TelegramError) -> Option<FaultKind> {
+const fn fault_of_telegram(error: s300::TelegramError) -> Option<FaultKind> {
     match error {
         s300::TelegramError::LockOut { status } => Some(FaultKind::Device(status)),
         s300::TelegramError::Values { .. } => Some(FaultKind::WrongGeometry),
@@ -123,16 +196,19 @@ const fn fault_of_message(error: microscan3::ScanError) -> Option<FaultKind> {
     }
 }
 
-fn fault<M: RawMutex>(shared: &Shared<M>, kind: FaultKind, now: Stamp) {
-    shared.decide(|guard| guard.on_source_fault(Source::Scanner, kind, now));
+fn fault<P: Place, M: RawMutex>(shared: &Shared<M>, kind: FaultKind, now: Stamp) {
+    shared.decide(|guard| guard.on_source_fault(P::SOURCE, kind, now));
 }
 
-fn count_refused<M: RawMutex>(shared: &Shared<M>) {
-    shared.count(|links| links.scanner_refused = links.scanner_refused.saturating_add(1));
+fn count_one<M: RawMutex>(shared: &Shared<M>, counter: fn(&mut LinkCounters) -> &mut u32) {
+    shared.count(|links| {
+        let count = counter(links);
+        *count = count.saturating_add(1);
+    });
 }
 
-async fn link_down<M: RawMutex>(shared: &Shared<M>) {
-    shared.count(|links| links.scanner_errors = links.scanner_errors.saturating_add(1));
-    fault(shared, FaultKind::LinkDown, clock::now());
+async fn link_down<P: Place, M: RawMutex>(shared: &Shared<M>) {
+    count_one(shared, P::errors);
+    fault::<P, M>(shared, FaultKind::LinkDown, clock::now());
     Timer::after_millis(RETRY_MS).await;
 }

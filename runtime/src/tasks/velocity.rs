@@ -16,11 +16,11 @@ use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
 use crate::clock;
-use crate::io::FramePort;
+use crate::io::{FramePort, receive_from};
 use crate::shared::Shared;
 
-/// Pause after a failure of the link, milliseconds: it delays a deadline by no more.
-const RETRY_MS: u64 = 5;
+/// Pause after a failure of the link, microseconds. Deadlines are kept meanwhile.
+const RETRY_US: u64 = 5_000;
 /// A line that takes no bytes for so long loses the permit, milliseconds.
 const SEND_MAX_MS: u64 = 2;
 
@@ -41,9 +41,12 @@ pub async fn velocity_input<M: RawMutex>(shared: &Shared<M>, mut port: impl Fram
     let mut sequence = 0_u32;
     // The deadline that is still ahead.
     let mut ends = None;
+    // After a failure nothing is received before this.
+    let mut begin = None;
     loop {
-        match select3(port.receive(&mut buffer), ticker.next(), until(ends)).await {
+        match select3(receive_from(begin, &mut port, &mut buffer), ticker.next(), until(ends)).await {
             Either3::First(Ok(frame)) => {
+                begin = None;
                 let bytes = buffer.get(..frame.length).unwrap_or_default();
                 let arrival = Arrival { peer: frame.peer, at: frame.arrival };
                 if let Ok(accepted) = acceptance.offer(bytes, arrival) {
@@ -53,7 +56,7 @@ pub async fn velocity_input<M: RawMutex>(shared: &Shared<M>, mut port: impl Fram
                     shared.wanted.publish((accepted.stamp, wanted));
                 }
             }
-            Either3::First(Err(_)) => Timer::after_millis(RETRY_MS).await,
+            Either3::First(Err(_)) => begin = Some(clock::now().plus_micros(RETRY_US)),
             Either3::Second(()) => {
                 sequence = sequence.wrapping_add(1);
                 let permit = permit(shared, (&acceptance, sequence), clock::now()).encode();

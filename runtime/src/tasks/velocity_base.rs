@@ -2,7 +2,7 @@
 
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use embassy_time::{Duration, Ticker, Timer, with_timeout};
+use embassy_time::{Duration, Ticker, with_timeout};
 use floorguard_drivers::velocity_link::{FRAME_BYTES_MAX, MotionReport, StopDemand, VelocityRequest};
 use floorguard_guard::{Action, Decision, FaultKind, Source};
 use floorguard_localisation::odometry::WheelMotion;
@@ -11,7 +11,7 @@ use floorguard_types::sensing::DriveFeedback;
 use floorguard_types::time::Stamp;
 
 use crate::clock;
-use crate::io::{FramePort, PortFrame};
+use crate::io::{FramePort, PortFrame, receive_from};
 use crate::shared::Shared;
 
 /// The permitted velocity is renewed this often, milliseconds.
@@ -20,8 +20,8 @@ const PERIOD_MS: u64 = 20;
 const DEADLINE_MS: u16 = 100;
 /// How the guard calls itself to the base.
 const SENDER: u32 = 1;
-/// Pause after a failure of the link, milliseconds.
-const RETRY_MS: u64 = 20;
+/// Pause after a failure of the link, microseconds. Requests go on meanwhile.
+const RETRY_US: u64 = 20_000;
 /// A line that takes no bytes for so long loses the request, milliseconds.
 const SEND_MAX_MS: u64 = 2;
 /// A velocity that differs by less is the same, m/s and rad/s.
@@ -45,15 +45,19 @@ pub async fn velocity_base<M: RawMutex>(shared: &Shared<M>, mut port: impl Frame
     let mut link = Link { wheelbase_m, sent: 0, newest_report: None, measured: None, commanded };
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     let mut buffer = [0; FRAME_BYTES_MAX];
+    // After a failure nothing is received before this.
+    let mut begin = None;
     loop {
-        let decision = match select3(port.receive(&mut buffer), shared.decision.next(), ticker.next()).await {
+        let received = receive_from(begin, &mut port, &mut buffer);
+        let decision = match select3(received, shared.decision.next(), ticker.next()).await {
             Either3::First(Ok(frame)) => {
+                begin = None;
                 link.take_in(shared, buffer.get(..frame.length).unwrap_or_default(), frame);
                 continue;
             }
             Either3::First(Err(_)) => {
                 fault(shared, FaultKind::LinkDown);
-                Timer::after_millis(RETRY_MS).await;
+                begin = Some(clock::now().plus_micros(RETRY_US));
                 continue;
             }
             // What asks for less goes out at once, what allows more with the next tick.

@@ -62,6 +62,7 @@ fn root_memory_scan(guard: &mut Supervisor, scan: &Scan) {
 #[inline(never)]
 fn root_memory_packet(guard: &mut Supervisor, packet: &LidarPacket) {
     guard.remember_packet(black_box(packet));
+    guard.remember_more(black_box(packet));
 }
 
 #[inline(never)]

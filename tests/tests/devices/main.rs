@@ -11,6 +11,7 @@ mod sim_s300;
 mod sim_support;
 mod sim_velodyne;
 mod sim_velodyne_speeds;
+mod velocity_links;
 mod velodyne_captures;
 mod velodyne_decode_command;
 mod velodyne_recordings;

@@ -125,6 +125,8 @@ pub struct Thresholds {
     pub person_near_m: f32,
     /// What the sensors meet is remembered up to this far from them, metres; the window of the memory ends at 3.2.
     pub memory_reach_m: f32,
+    /// Firings of each lidar packet that the memory takes in, at least 1: a microcontroller has the time for one.
+    pub memory_firings: u8,
     /// Speed while leaving an obstacle, m/s (book, Guard: Escape).
     pub escape_speed_mps: f32,
     /// What the emergency stop demands: category 0 or 1 (ISO 13850).
@@ -151,6 +153,7 @@ impl Thresholds {
         person_speed_mps: 0.3,
         person_near_m: 1.2,
         memory_reach_m: 3.2,
+        memory_firings: 1,
         escape_speed_mps: 0.1,
         emergency_action: Action::Category0,
         overspeed_us: 100_000,

@@ -3,6 +3,7 @@
 //! First the looks, then what was met, so that an object thinner than a cell stays although rays pass beside
 //! it.
 
+use super::config::Thresholds;
 use super::lidar_rays::{Firing, LidarRays};
 use super::local_memory::{CELL_M, Cell, LocalMemory};
 use super::packet_table::{BIN_CDEG, PacketTable};
@@ -19,6 +20,8 @@ pub(super) const BEHIND_M: f32 = 0.10;
 pub(super) const SAME_OBSTACLE_M: f32 = 0.15;
 /// Of each packet one firing is taken, this many after the one of the packet before: so that all directions get their turn.
 const FIRING_STEP: usize = 7;
+/// Firings of a packet that are taken in at most: all that a VLP-16 sends in one.
+const FIRINGS_MAX: u8 = 24;
 /// Cells with something in them that one firing looks through.
 const LOOKED_THROUGH_MAX: u8 = 4;
 /// The lidar itself sees nothing nearer, metres in the plane.
@@ -65,6 +68,18 @@ impl LocalMemory {
         self.look_along(&firing, &reaches_m);
         let pair = Pair { column, beside, unit_m, own_m: f32::from(bin.own_mm) * 1.0e-3 };
         self.meet_along(&firing, &pair, (rays.heights_m, reach_m));
+    }
+
+    /// Takes in more firings of the same packet, as many as the thresholds say (FG-REQ-066).
+    pub fn take_more(
+        &mut self,
+        packet: &LidarPacket,
+        rays: (&LidarRays, &PacketTable),
+        thresholds: &Thresholds,
+    ) {
+        for _ in 1..thresholds.memory_firings.min(FIRINGS_MAX) {
+            self.take_packet(packet, rays, thresholds.memory_reach_m);
+        }
     }
 
     /// What one firing met.

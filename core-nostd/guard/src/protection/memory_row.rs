@@ -89,6 +89,11 @@ impl Row {
         self.by_lidar | self.by_scanner
     }
 
+    /// The lidar alone met something here, and nothing of it is higher.
+    pub(super) fn is_low(&self, index: usize, top: u8) -> bool {
+        has_bit(self.by_lidar & !self.by_scanner, index) && self.run(index).top < top
+    }
+
     /// Of these cells, those in which the lidar met a single height.
     pub(super) fn thin_of(&self, cells: u64) -> u64 {
         let (mut thin, mut left) = (0, cells);

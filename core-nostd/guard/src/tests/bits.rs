@@ -173,8 +173,8 @@ fields! {
     DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m }
     Thresholds {
         scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
-        warning_speed_mps, person_speed_mps, person_near_m, memory_reach_m, escape_speed_mps, emergency_action, overspeed_us,
-        speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
+        warning_speed_mps, person_speed_mps, person_near_m, memory_reach_m, memory_firings, escape_speed_mps,
+        emergency_action, overspeed_us, speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
     }
     UnseenLimits { forward_mps, turning_mps, spinning_mps, reverse_mps, unknown_rear_mps, known_after_m }
     FieldSet { travel, speed_max_mps, protective, warning }

@@ -11,7 +11,7 @@ mod contents;
 mod doubt;
 mod exploration;
 mod fastest_point;
-mod fixtures;
+pub(crate) mod fixtures;
 mod latches;
 mod memory;
 mod numbers;

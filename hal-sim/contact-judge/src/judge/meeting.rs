@@ -30,7 +30,7 @@ impl ContactJudge {
                 let contact = self.contact(step, key, (&nearest, limb));
                 match self.open.get(&key).copied().filter(|_| !is_new) {
                     None => {
-                        let stands_at_m = self.stands_at_m(step, &contact);
+                        let stands_at_m = self.stands_at_m(step, key, &contact);
                         self.open.insert(key, Open { at: self.contacts.len(), stands_at_m });
                         let judged = self.judged(key, contact, &nearest);
                         self.contacts.push(judged);
@@ -42,8 +42,16 @@ impl ContactJudge {
     }
 
     /// Where the braked wheel has to stand after this contact, if a bumper feels it.
-    fn stands_at_m(&self, step: &Step, contact: &Contact) -> Option<f64> {
+    fn stands_at_m(&self, step: &Step, key: Key, contact: &Contact) -> Option<f64> {
         let [x, y, z] = contact.place.point_m;
+        // What lies below a bumper, or hangs above it, does not press it however near it is.
+        let reaches = |[low_m, high_m]: [f32; 2]| match key {
+            Key::Thing(index) => {
+                let [low, high] = self.things[index].placed.bounds();
+                high.z > low_m && low.z < high_m
+            }
+            Key::Person(_) => true,
+        };
         let feels = |bumper: &BodyPart| {
             let outside = |value: f32, axis: usize| {
                 let corners = || bumper.outline_m.iter().map(|corner| corner[axis]);
@@ -52,6 +60,7 @@ impl ContactJudge {
             };
             let [low_m, high_m] = bumper.height_m;
             outside(x, 0).max(outside(y, 1)).max(low_m - z).max(z - high_m) < BUMPER_M
+                && reaches(bumper.height_m)
         };
         if !self.bumpers.iter().any(feels) {
             return None;

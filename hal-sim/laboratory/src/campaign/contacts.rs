@@ -276,7 +276,33 @@ impl ContactSummary {
 
 #[cfg(test)]
 mod tests {
+    use floorguard_robot::assembly::Stages;
+
     use super::*;
+
+    /// A low box and a thin bar, which the lidar meets for a moment each; the memory of the microcontroller loses the box.
+    #[test]
+    fn fg_req_066_box_and_bar_seen_for_a_moment_hold() {
+        for trial in [17, 40] {
+            let row = contact_trial(1, trial);
+            assert!(
+                row.passed && row.counts.while_moving() == 0,
+                "{trial}: {:?} {:?}",
+                row.failures,
+                row.contacts
+            );
+        }
+        let on_board = contact_trial_with(1, 17, |plan| plan.stages = Stages::AsOnBoard);
+        assert_eq!(on_board.missed_stops, 1, "{:?}", on_board.contacts);
+    }
+
+    /// A box that is too low for lidar and scanner presses the bumper: it holds as long as the box is there, against a reset, too.
+    #[test]
+    fn touched_bumper_holds_against_reset() {
+        let row = contact_trial(1, 59);
+        assert!(row.passed && row.counts.went_on == 0, "{:?} {:?}", row.failures, row.contacts);
+        assert_eq!(row.counts.drove_into_things, 1, "{:?}", row.contacts);
+    }
 
     #[test]
     fn rows_round_trip_and_trials_count_once() {

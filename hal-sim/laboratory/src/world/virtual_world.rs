@@ -23,7 +23,7 @@ use floorguard_host::carriers::PipeReader;
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_operator::panel::PanelOrder;
 use floorguard_operator::telemetry::RunSinks;
-use floorguard_robot::assembly::{GuardCarriers, new_perception, new_shared, spawn_guard_ring};
+use floorguard_robot::assembly::{GuardCarriers, new_perception, new_shared_for, spawn_guard_ring};
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
 use floorguard_robot::learning::{LearningSetup, LearningWriter};
 use floorguard_robot::navigator::NavigationSetup;
@@ -174,9 +174,10 @@ impl Watches {
 
 /// One life of the robot's computer, from power on.
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
-    let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
+    let now = Stamp::from_micros(world.now_us);
+    let shared: Box<Shared<NoopRawMutex>> = new_shared_for(&plan.robot, plan.stages, now)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
-    shared.restore_latches(world.latches, Stamp::from_micros(world.now_us));
+    shared.restore_latches(world.latches, now);
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let (setup, navigation) = (world.mission.clone(), world.navigation.clone());

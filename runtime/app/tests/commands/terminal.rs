@@ -267,7 +267,9 @@ fn unaccepted_gap_is_refused_named_and_drawn() {
     let kept = "  \"rear below 0.45 m\"";
     let example = floorguard_configuration::EXAMPLE;
     assert!(example.contains(kept));
-    std::fs::write(&path, example.replace(kept, "  # \"rear below 0.45 m\"")).expect("written");
+    let slower = ("rear stepping in below 0.60 m\"", "rear stepping in below 0.60 m at 0.10 m/s\"");
+    let example = example.replace(kept, "  # \"rear below 0.45 m\"").replace(slower.0, slower.1);
+    std::fs::write(&path, example).expect("written");
     let output = run(&["check", text(&path), "--picture", text(&picture), "--json"]);
     let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
     let refusal = "no sensor sees \"rear below 0.45 m\"";
@@ -280,6 +282,12 @@ fn unaccepted_gap_is_refused_named_and_drawn() {
     let gaps = checked["gaps"].as_array().expect("gaps");
     let open: Vec<&Value> = gaps.iter().filter(|gap| gap["is_accepted"] == false).collect();
     assert!(gaps.len() > 8 && open.len() == 1 && open[0]["name"] == "rear below 0.45 m", "{checked}");
+    let limits = checked["limits"].as_array().expect("limits");
+    let reverse = limits.iter().find(|limit| limit["direction"] == "reverse").expect("reverse is slower");
+    let [limit_mps, configured_mps] = ["limit_mps", "configured_mps"].map(|speed| reverse[speed].as_f64());
+    assert!(limit_mps < configured_mps && limit_mps > Some(0.0), "{reverse}");
+    assert_eq!(reverse["gap"], "rear stepping in below 0.60 m", "{reverse}");
+    assert!(checked["unknown_rear"]["known_after_m"].as_f64() > Some(0.5), "{checked}");
     let drawn = std::fs::read_to_string(&picture).expect("a picture");
     assert!(
         drawn.contains("rear below 0.45 m")

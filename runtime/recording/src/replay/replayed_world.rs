@@ -22,7 +22,7 @@ use floorguard_configuration::{HostedConfiguration, RecordedConfiguration, parse
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::{
-    GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_mission_ring,
+    GuardCarriers, Stages, new_perception, new_shared_for, spawn_guard_ring, spawn_mission_ring,
     spawn_perception_ring,
 };
 use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionSetup, Store};
@@ -153,7 +153,7 @@ fn play<R: Read>(
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
-    let shared = new_shared(robot, Stamp::ZERO)
+    let shared = new_shared_for(robot, stages, Stamp::ZERO)
         .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
     let mut perception = new_perception(robot, stages);
     perception.motion.learn(learning.as_ref());

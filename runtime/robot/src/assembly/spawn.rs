@@ -54,7 +54,11 @@ pub struct GuardCarriers<L, S, D, I, C> {
     pub tap: Option<Tap>,
 }
 
-/// The state that both rings share.
+/// Firings of each lidar packet that the memory of a hosted guard takes in: each direction has its turn three times a second
+/// (FG-REQ-066).
+const MEMORY_FIRINGS: u8 = 8;
+
+/// The state that both rings share, on a computer.
 ///
 /// # Errors
 /// The guard refuses the configuration.
@@ -62,7 +66,23 @@ pub fn new_shared<M: RawMutex>(
     robot: &RobotConfiguration,
     now: Stamp,
 ) -> Result<Box<Shared<M>>, GuardConfigError> {
-    Ok(Box::new(Shared::new(robot.guard(), Motion::new(robot.wheels()), now)?))
+    new_shared_for(robot, Stages::All, now)
+}
+
+/// The same; a guard that must answer as the microcontroller's does remembers no more than that one.
+///
+/// # Errors
+/// The guard refuses the configuration.
+pub fn new_shared_for<M: RawMutex>(
+    robot: &RobotConfiguration,
+    stages: Stages,
+    now: Stamp,
+) -> Result<Box<Shared<M>>, GuardConfigError> {
+    let mut guard = robot.guard();
+    if stages == Stages::All {
+        guard.thresholds.memory_firings = MEMORY_FIRINGS;
+    }
+    Ok(Box::new(Shared::new(guard, Motion::new(robot.wheels()), now)?))
 }
 
 /// Which stages run.

@@ -1,6 +1,6 @@
 //! The result of a check for a machine.
 
-use floorguard_configuration::{Coverage, HostedConfiguration, Refusal, SensorGap, Unseen};
+use floorguard_configuration::{Coverage, DirectionLimit, HostedConfiguration, Refusal, SensorGap, Unseen};
 use serde::Serialize;
 
 use super::CheckArguments;
@@ -12,6 +12,29 @@ struct Checked {
     refusals: Vec<String>,
     warnings: Vec<String>,
     gaps: Vec<GapRow>,
+    /// Directions that are slower for a gap.
+    limits: Vec<LimitRow>,
+    /// Nothing where a sensor looks beside the rear.
+    unknown_rear: Option<UnknownRearRow>,
+}
+
+/// Speeds are those of the fastest point of the body.
+#[derive(Serialize)]
+struct LimitRow {
+    direction: &'static str,
+    limit_mps: f32,
+    configured_mps: f32,
+    /// The gap that costs it, by name.
+    gap: String,
+    /// What is in the gap may be touched so fast at most.
+    touched_mps: f32,
+}
+
+/// Every turn is slower until the robot has driven ahead.
+#[derive(Serialize)]
+struct UnknownRearRow {
+    limit_mps: f32,
+    known_after_m: f32,
 }
 
 #[derive(Serialize)]
@@ -54,7 +77,25 @@ pub(super) fn text(
         refusals: refusals.iter().map(ToString::to_string).collect(),
         warnings: configuration.warnings(),
         gaps: coverage.gaps.iter().map(|gap| row(gap, configuration)).collect(),
+        limits: configuration.direction_limits(coverage).iter().map(limit).collect(),
+        unknown_rear: unknown_rear(configuration),
     })
+}
+
+fn limit(limit: &DirectionLimit) -> LimitRow {
+    LimitRow {
+        direction: limit.direction.name(),
+        limit_mps: limit.limit_mps,
+        configured_mps: limit.configured_mps,
+        gap: limit.because.gap.to_string(),
+        touched_mps: limit.because.touched_mps,
+    }
+}
+
+fn unknown_rear(configuration: &HostedConfiguration) -> Option<UnknownRearRow> {
+    let unseen = &configuration.robot.unseen;
+    (unseen.known_after_m > 0.0)
+        .then_some(UnknownRearRow { limit_mps: unseen.unknown_rear_mps, known_after_m: unseen.known_after_m })
 }
 
 fn row(found: &SensorGap, configuration: &HostedConfiguration) -> GapRow {

@@ -1,0 +1,190 @@
+//! The memory on a robot that drives: rays are cast at boxes by plain geometry, packet for packet, and what is kept of them when the
+//! robot must begin to brake is compared with where they stand.
+
+use crate::tests::fixtures::{config, forward};
+use crate::{Cell, GuardConfig, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Supervisor};
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::{LidarColumn, LidarPacket};
+use floorguard_types::time::Stamp;
+
+/// Firings of a packet, and hundredths of a degree between two.
+const COLUMNS: u16 = 24;
+const STEP_CDEG: u16 = 20;
+/// Nothing is met farther away than this, metres.
+const FAR_M: f64 = 20.0;
+/// A range is wrong by at most this, metres.
+const NOISE_M: f32 = 0.02;
+
+/// A box: least and greatest x, y and z, metres, in the frame in which the robot starts.
+#[derive(Clone, Copy, Debug)]
+struct Cuboid([[f64; 2]; 3]);
+
+impl Cuboid {
+    /// Where a ray enters it, metres along the ray.
+    fn entered_m(&self, from: [f64; 3], direction: [f64; 3]) -> Option<f64> {
+        let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
+        for ((side, from), direction) in self.0.iter().zip(from).zip(direction) {
+            let [a, b] = side.map(|end| (end - from) / direction);
+            (enters, leaves) = (enters.max(a.min(b)), leaves.min(a.max(b)));
+        }
+        (enters < leaves).then_some(enters)
+    }
+}
+
+/// The lidar, 0.5 m ahead of the robot's origin and 0.8 m high.
+struct Lidar {
+    random: Pcg32,
+    azimuth_cdeg: u16,
+}
+
+impl Lidar {
+    fn new(seed: u64) -> Self {
+        let mut random = Pcg32::new(seed, 5);
+        let azimuth_cdeg = (random.below(1_800) * 20) as u16;
+        Self { random, azimuth_cdeg }
+    }
+
+    /// The next packet. Only what lies ahead is cast; nothing is behind.
+    fn packet(&mut self, stamp: Stamp, pose: Pose2, boxes: &[Cuboid]) -> LidarPacket {
+        let columns = (0..COLUMNS).map(|index| {
+            let azimuth_cdeg = (self.azimuth_cdeg + index * STEP_CDEG) % 36_000;
+            let mut column =
+                LidarColumn { azimuth_cdeg, offset_us: u32::from(index) * 55, ..LidarColumn::SILENT };
+            if !(6_000..30_000).contains(&azimuth_cdeg) {
+                self.cast(&mut column.range_raw, (azimuth_cdeg, pose), boxes);
+            }
+            column
+        });
+        let columns = columns.collect();
+        self.azimuth_cdeg = (self.azimuth_cdeg + COLUMNS * STEP_CDEG) % 36_000;
+        LidarPacket { stamp, range_unit_mm: 2, rings: 16, columns }
+    }
+
+    fn cast(
+        &mut self,
+        range_raw: &mut [u16; PACKET_RINGS_MAX],
+        (azimuth_cdeg, pose): (u16, Pose2),
+        boxes: &[Cuboid],
+    ) {
+        let heading = f64::from(pose.heading_rad);
+        let azimuth = heading - f64::from(azimuth_cdeg).to_radians() / 100.0;
+        let from =
+            [f64::from(pose.x_m) + 0.5 * heading.cos(), f64::from(pose.y_m) + 0.5 * heading.sin(), 0.8];
+        for (ring, raw) in range_raw.iter_mut().enumerate().take(16) {
+            let elevation = (ring as f64 * 2.0 - 15.0).to_radians();
+            let direction =
+                [elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin()];
+            let floor_m = if direction[2] < 0.0 { -from[2] / direction[2] } else { FAR_M };
+            let met_m = boxes.iter().filter_map(|cuboid| cuboid.entered_m(from, direction));
+            let range_m = met_m.fold(floor_m.min(FAR_M), f64::min) as f32;
+            let range_m = range_m + self.random.uniform_between(-NOISE_M, NOISE_M);
+            *raw = (range_m * 500.0) as u16;
+        }
+    }
+}
+
+/// From the robot's origin to its front, metres.
+const FRONT_M: f32 = 0.95;
+/// Packets in 10 ms, of 754 a second.
+const PACKETS: u64 = 8;
+/// What is kept may be off by a cell and the noise, metres.
+const NEAR_M: f32 = 0.12;
+
+/// The robot drives straight on; whether something is kept across its way where a box stands, when it must begin to brake.
+fn is_kept(config: &GuardConfig, cuboid: Cuboid, (mps, seed): (f32, u64)) -> bool {
+    let mut guard = Supervisor::new(config.clone(), Stamp::from_micros(1_000_000)).unwrap();
+    let mut lidar = Lidar::new(seed);
+    let motion = forward(mps);
+    let stops_m = Stopping::from(&config.footprint, motion, (&config.drive, REACTION_S)).path_m();
+    let [[face_m, back_m], [right_m, left_m], _] = cuboid.0.map(|side| side.map(|end| end as f32));
+    let end_m = face_m - FRONT_M - stops_m - STANDOFF_M;
+    let steps = (end_m / (mps * 0.01)) as u64;
+    for step in 0..steps {
+        let now = Stamp::from_micros(1_000_000 + step * 10_000);
+        guard.on_wheels(motion, now, now);
+        for part in 0..PACKETS {
+            let packet = lidar.packet(now.plus_micros(part * 1_250), guard.memory.pose(), &[cuboid]);
+            guard.remember_packet(&packet);
+            guard.remember_more(&packet);
+        }
+    }
+    let mut found = false;
+    guard.memory.for_each_obstacle(|cell| {
+        let place = cell.middle();
+        found |= (face_m - NEAR_M..back_m + NEAR_M).contains(&place.x_m)
+            && (right_m.max(-0.4) - NEAR_M..left_m.min(0.4) + NEAR_M).contains(&place.y_m);
+    });
+    found
+}
+
+/// Of so many boxes that are drawn, those that are kept.
+fn kept_of(count: u64, firings: u8, draw: fn(&mut Pcg32) -> Cuboid) -> usize {
+    let mut config = config();
+    config.thresholds.memory_firings = firings;
+    config.lidar.floor_clearance_m = 0.08;
+    let mut random = Pcg32::new(66, 1);
+    let is_kept = |seed: &u64| {
+        let cuboid = draw(&mut random);
+        is_kept(&config, cuboid, (random.uniform_between(0.5, 1.0), *seed))
+    };
+    (0..count).filter(is_kept).count()
+}
+
+/// Boxes of 12 to 14 cm: one ring after the other passes over each within 0.3 s.
+fn low(random: &mut Pcg32) -> Cuboid {
+    let mut between = |low: f32, high: f32| f64::from(random.uniform_between(low, high));
+    let (face_m, right_m) = (between(5.0, 5.2), between(-0.4, 0.0));
+    let (deep_m, wide_m, high_m) = (between(0.2, 0.6), between(0.2, 0.5), between(0.12, 0.14));
+    Cuboid([[face_m, face_m + deep_m], [right_m, right_m + wide_m], [0.0, high_m]])
+}
+
+/// Bars of 2 to 4 cm across the way, 1 to 2.4 m long.
+fn bar(random: &mut Pcg32) -> Cuboid {
+    let mut between = |low: f32, high: f32| f64::from(random.uniform_between(low, high));
+    let (face_m, wide_m) = (between(5.0, 5.2), between(0.5, 1.2));
+    let (low_m, thick_m) = (between(0.2, 0.65), between(0.02, 0.04));
+    Cuboid([[face_m, face_m + thick_m], [-wide_m, wide_m], [low_m, low_m + thick_m]])
+}
+
+#[test]
+fn fg_req_066_what_is_seen_for_a_moment_is_kept() {
+    assert_eq!([low, bar].map(|draw| kept_of(12, 8, draw)), [12, 12]);
+    assert!(kept_of(12, 1, low) < 9, "one firing of a packet meets too little of it");
+}
+
+fn at_ms(ms: u64) -> Stamp {
+    Stamp::from_micros(1_000_000 + ms * 1_000)
+}
+
+/// The lidar has met these heights at two places beside each other, 3 m ahead, and then the robot drove.
+fn nearest_m(heights_m: &[f32], driven_m: f32) -> f32 {
+    let mut memory = std::boxed::Box::new(LocalMemory::EMPTY);
+    memory.forget();
+    memory.follow(forward(0.0), at_ms(0));
+    let cell = Cell::of(Point2::new(3.0, 0.0));
+    for span in 1..3 {
+        for (height_m, x) in heights_m.iter().flat_map(|height_m| [(*height_m, 0), (*height_m, 1)]) {
+            memory.meet(Cell { x: cell.x + x, ..cell }, height_m, 0.12);
+        }
+        memory.follow(forward(0.0), at_ms(span * 310));
+    }
+    for step in 0..(driven_m * 100.0) as u64 {
+        memory.follow(forward(1.0), at_ms(930 + step * 10));
+    }
+    let mut nearest_m = f32::INFINITY;
+    memory.for_each_obstacle(|cell| nearest_m = nearest_m.min(cell.middle().x_m));
+    nearest_m
+}
+
+#[test]
+fn fg_req_068_low_object_near_the_start_hides_its_side() {
+    let low = nearest_m(&[0.10, 0.12], 0.0);
+    assert!((low - 2.69).abs() < 0.08, "a quarter of a metre before what was met: {low}");
+    assert!((nearest_m(&[0.10, 0.12], 1.5) - low).abs() < 0.01, "still");
+    let met = nearest_m(&[0.10, 0.12], 2.5);
+    assert!((met - 2.97).abs() < 0.08, "the robot has come to where nothing was hidden: {met}");
+    let high = nearest_m(&[0.10, 0.2, 0.3, 0.4], 0.0);
+    assert!((high - 2.97).abs() < 0.08, "its upper part was met as near as it is: {high}");
+}
