@@ -95,7 +95,7 @@ fn whatever_was_learned_no_stop_is_loosened() {
         longer += usize::from(other.count > one.count);
     }
     assert!(compared > 50 && longer > 0, "{longer} of {compared} longer");
-    // Whoever is forgotten by what was learned stays in the advice.
+    // A person whom the learned weights reject stays in the advice.
     assert_eq!(shipped.advised, forgetful.advised);
 }
 
