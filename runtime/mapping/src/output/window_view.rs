@@ -73,7 +73,7 @@ pub fn draw_faces(
             Face::Right => 2,
         };
         let (column, row) = (one.index as u32 % columns, one.index as u32 / columns);
-        let grey = (55.0 * one.point.x_m.hypot(one.point.y_m)).clamp(0.0, 190.0) as u8;
+        let grey = (55.0 * libm::hypotf(one.point.x_m, one.point.y_m)).clamp(0.0, 190.0) as u8;
         let shade = match (one.content, colour.and_then(|colour| colour(one.point))) {
             (CellContent::Person, _) => PERSON,
             (_, Some(colour)) => Rgb(colour),
