@@ -111,7 +111,7 @@ impl Rig {
             });
             if frame.id == 0x180 + 11 {
                 self.angles += 1;
-                if every.is_some_and(|every| self.angles % every != 0) {
+                if every.is_some_and(|every| !self.angles.is_multiple_of(every)) {
                     continue;
                 }
             }
@@ -176,7 +176,7 @@ impl Rig {
             RigFault::DamagedCheck { every } => Some((*every).max(1)),
             _ => None,
         });
-        if every.is_some_and(|every| self.scans % every == 0) {
+        if every.is_some_and(|every| self.scans.is_multiple_of(every)) {
             bytes[100] = if bytes[100] == b'0' { b'1' } else { b'0' };
         }
         bytes

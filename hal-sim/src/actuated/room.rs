@@ -9,7 +9,6 @@ use crate::scene::{Material, Scene, SceneBuilder};
 pub const ROOMS: [&str; 4] = ["box", "office", "person", "drive"];
 
 /// A room, who walks in it, and how the robot drives.
-
 pub struct Room {
     /// What stands.
     pub scene: Scene,

@@ -73,7 +73,7 @@ pub fn draw_faces(
             Face::Right => 2,
         };
         let (column, row) = (one.index as u32 % columns, one.index as u32 / columns);
-        let grey = (55.0 * one.point.x_m.hypot(one.point.y_m)).clamp(0.0, 190.0) as u8;
+        let grey = (55.0 * libm::hypotf(one.point.x_m, one.point.y_m)).clamp(0.0, 190.0) as u8;
         let shade = match (one.content, colour.and_then(|colour| colour(one.point))) {
             (CellContent::Person, _) => PERSON,
             (_, Some(colour)) => Rgb(colour),
@@ -156,10 +156,10 @@ fn known(plan: &Plan<Vec<PlanCell>>) -> [[u32; 2]; 2] {
     for (index, cell) in plan.grid().values().iter().enumerate() {
         if cell.floor_m().is_some() || cell.ceiling_m().is_some() {
             let place = [index as u32 % sides[0], index as u32 / sides[0]];
-            for axis in 0..2 {
-                low[axis] = low[axis].min(place[axis].saturating_sub(MARGIN));
-                high[axis] = high[axis].max((place[axis] + 1 + MARGIN).min(sides[axis]));
-            }
+            let before = place.map(|cell| cell.saturating_sub(MARGIN));
+            low = [low[0].min(before[0]), low[1].min(before[1])];
+            let after = [place[0] + 1 + MARGIN, place[1] + 1 + MARGIN];
+            high = [high[0].max(after[0].min(sides[0])), high[1].max(after[1].min(sides[1]))];
         }
     }
     if low[0] < high[0] { [low, high] } else { [[0, 0], sides] }
