@@ -4,7 +4,6 @@ mod ask_command;
 mod blackbox_command;
 mod book;
 mod goto_command;
-mod goto_drive;
 mod inspect_command;
 mod mission_command;
 mod mission_seen;
