@@ -31,7 +31,7 @@ pub struct Explored {
     pub way_m: f64,
     /// Decisions.
     pub decisions: u32,
-    /// The rules said themselves that nothing is left.
+    /// The rules themselves found that nothing is left.
     pub has_ended: bool,
     /// Where the robot was each time that a target was done: reached, seen from afar, or left for another.
     pub view_points: Vec<Point2>,

@@ -11,8 +11,8 @@ use floorguard_types::geometry::Point2;
 
 /// Smaller frontiers are left by our rules, metres.
 const SIZE_MIN_M: f32 = 0.2;
-/// Frontiers are looked at from within, metres: four fifths of what the scanner sees.
-const SIGHT_M: f32 = 0.8 * super::building::RANGE_M;
+/// Frontiers are looked at from within, metres: half of what the scanner sees.
+const SIGHT_M: f32 = 0.5 * super::building::RANGE_M;
 /// Ways between view points are searched on cells of this edge, metres.
 const RASTER_M: f32 = 0.2;
 

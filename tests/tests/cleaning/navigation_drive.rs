@@ -125,37 +125,3 @@ fn walled_up_aisles_end_with_a_call() {
     assert!(drive.unreasoned_s < 3.0, "{drive:#?}");
     assert_eq!(seen.verdict.avoidable_contacts, 0, "{:?}", seen.verdict.bodies);
 }
-
-/// From an empty map to a finished one, which the robot can then drive by.
-#[test]
-fn empty_map_of_a_hall_is_finished() {
-    let text = r#"
-title = "a hall with a wall in its middle"
-start = { at_m = [-2.0, 2.0], yaw_deg = 0.0 }
-[route]
-waypoints_m = [[0.0, 2.0]]
-[scene]
-wall = [
-  { from_m = [-4.0, -4.0], to_m = [6.0, -4.0] },
-  { from_m = [6.0, -4.0], to_m = [6.0, 4.0] },
-  { from_m = [6.0, 4.0], to_m = [-4.0, 4.0] },
-  { from_m = [-4.0, 4.0], to_m = [-4.0, -4.0] },
-  { from_m = [-4.0, 0.0], to_m = [3.0, 0.0] }]
-"#;
-    let plan = Plan::of("hall", Scenario::from_toml(text).unwrap(), 1, 240_000_000).unwrap();
-    let (seen, drive) = play(&plan.exploring(20.0).unwrap());
-    assert_eq!(seen.verdict.verdict, Outcome::Good, "{} {drive:#?}", seen.verdict.reason);
-    assert_eq!(seen.verdict.avoidable_contacts, 0, "{:?}", seen.verdict.bodies);
-    let explored = drive.exploration.clone().expect("the map is judged");
-    assert!(explored.ended && explored.known_share >= 0.99, "{explored:?}");
-    assert!(explored.true_surfaces_share >= 0.98 && explored.floor_m2 > 40.0, "{explored:?}");
-    let folder = tempfile::tempdir().unwrap();
-    for file in &seen.surveyed.expect("a map").files {
-        let path = folder.path().join(&file.name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, &file.bytes).unwrap();
-    }
-    let map = floorguard_robot::site::ros_map::load(&folder.path().join("map.yaml")).unwrap();
-    let behind = map.geometry().cell_at(floorguard_types::geometry::Point2::new(-2.0, -2.0)).unwrap();
-    assert_eq!(map.values()[behind], floorguard_mapping::Occupancy::Free, "behind the wall");
-}

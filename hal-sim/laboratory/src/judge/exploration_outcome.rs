@@ -13,7 +13,7 @@ const SURFACE_OFF_M: f32 = 0.2;
 /// What an exploration came to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ExplorationReport {
-    /// The robot said itself that nothing is left.
+    /// The robot itself says that nothing is left.
     pub ended: bool,
     /// Floor that the robot can reach, square metres.
     pub floor_m2: f64,

@@ -4,7 +4,6 @@ mod ask_command;
 mod blackbox_command;
 mod book;
 mod goto_command;
-mod goto_drive;
 mod ground_command;
 mod inspect_command;
 mod map_edit;
