@@ -128,7 +128,7 @@ fn each_wrong_value_is_refused_by_name() {
 
 /// The head stands: azimuths say nothing. A closed sector between two firings is no such case, and what follows it is later.
 #[test]
-fn standing_head_is_refused_and_a_closed_sector_timed() {
+fn standing_head_refused_and_closed_sector_timed() {
     let turned = |azimuths: [u16; 4]| {
         let mut bytes = recorded();
         for (pair, azimuth) in azimuths.into_iter().enumerate() {

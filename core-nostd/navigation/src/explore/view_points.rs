@@ -1,6 +1,6 @@
 //! From where a frontier is looked at, and how far it is from one such place to the next.
 //!
-//! The place is the first one on the robot's way to the frontier from which the frontier can be seen: the robot need not go
+//! The place is the first one on the path to the frontier from which the frontier can be seen: the robot need not go
 //! where known floor ends, and a goal is always known floor on which it can stand.
 
 use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides};

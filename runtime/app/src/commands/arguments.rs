@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use crate::mapping_commands::{
-    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments, WindowArguments,
+    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments,
 };
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
@@ -68,7 +68,7 @@ pub enum Command {
     Explain(super::ExplainArguments),
     /// Read the log of a black box and make it a recording.
     #[command(after_help = "Example:\n  floorguard blackbox stop-1.log --out stop-1.mcap")]
-    Blackbox(super::BlackBoxArguments),
+    Blackbox(crate::recordings::BlackBoxArguments),
     /// Print every return of a lidar capture, or every sample of an inertial sensor's bytes.
     #[command(after_help = "Example:\n  floorguard decode puck.pcap --csv > points.csv")]
     Decode(DecodeArguments),
@@ -112,7 +112,7 @@ pub enum Command {
     DetectPeople(crate::mapping_commands::DetectArguments),
     /// See with a lidar that a motor turns: surfaces around the robot, floor and ceiling, people, from a recording or a simulated
     /// room.
-    Window(WindowArguments),
+    Window(crate::window::WindowArguments),
     /// Find a robot in a known map without a hint; "I do not know" is an answer.
     Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.
@@ -125,5 +125,5 @@ pub enum Command {
     #[command(
         after_help = "Example:\n  floorguard doctor robot.toml\n\nExit codes: 0 good, perhaps with warnings; 1 something is bad; 3 bad input."
     )]
-    Doctor(super::DoctorArguments),
+    Doctor(crate::doctor::DoctorArguments),
 }

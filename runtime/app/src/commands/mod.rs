@@ -2,7 +2,6 @@
 
 mod arguments;
 mod ask;
-mod blackbox;
 #[cfg(feature = "laboratory")]
 mod campaign;
 #[cfg(feature = "laboratory")]
@@ -10,7 +9,6 @@ mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
 mod demo;
-mod doctor;
 mod eval;
 #[cfg(feature = "laboratory")]
 mod eval_stages;
@@ -48,13 +46,11 @@ mod values;
 
 pub use arguments::{Arguments, Command};
 pub use ask::{AskArguments, AskQuestion};
-pub use blackbox::BlackBoxArguments;
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
-pub use doctor::DoctorArguments;
 pub use eval::{EvalArguments, EvalStage};
 #[cfg(feature = "laboratory")]
 pub use eval_stages::RecordedStage;
@@ -76,7 +72,7 @@ pub use tape::TapeArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
-use crate::{mapping_commands, recordings};
+use crate::{doctor, mapping_commands, recordings, window};
 
 /// Runs the command.
 ///
@@ -85,7 +81,7 @@ use crate::{mapping_commands, recordings};
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
-        Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
+        Some(Command::Blackbox(arguments)) => recordings::blackbox(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
@@ -102,7 +98,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Calibrate(arguments)) => mapping_commands::calibrate(&arguments),
         #[cfg(feature = "detector")]
         Some(Command::DetectPeople(arguments)) => mapping_commands::detect_people(&arguments),
-        Some(Command::Window(arguments)) => mapping_commands::window(&arguments),
+        Some(Command::Window(arguments)) => window::run(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),

@@ -16,7 +16,6 @@ mod map_edit;
 mod progress;
 mod report;
 mod summary;
-mod window;
 
 pub use arguments::{DriveArguments, LocaliseArguments, Map3dArguments, MapArguments, SlamArguments};
 pub use calibrate::{CalibrateArguments, CalibrateWhat, CameraLidarArguments, run as calibrate};
@@ -24,7 +23,7 @@ pub use clean::{BoxMethod, CleanArguments, run as clean_map};
 #[cfg(feature = "detector")]
 pub use detect::{DetectArguments, run as detect_people};
 pub use eval_slam::run as eval_slam;
+pub(crate) use files::text;
 pub use localise::run as localise;
 pub use map::run as map;
 pub use map3d::run as map3d;
-pub use window::{WindowArguments, run as window};

@@ -26,7 +26,7 @@ const SIGHT_M: f32 = 6.0;
 /// Ways between view points are searched on cells of this edge, metres.
 const RASTER_M: f32 = 0.2;
 /// Arrived for so long with the frontier still there, the robot gives it up, seconds.
-const LOOKS_S: f32 = 1.5;
+const OBSERVATION_S: f32 = 1.5;
 /// A goal that moved by less is the same, metres.
 const SAME_M: f32 = 0.5;
 /// What was given up is tried once more so often, at the end.
@@ -78,7 +78,7 @@ impl Exploring {
     }
 
     /// The robot stands where a frontier is in sight.
-    pub(super) const fn looks(&self) -> bool {
+    pub(super) const fn is_observing(&self) -> bool {
         self.arrived_s.is_some()
     }
 
@@ -124,7 +124,7 @@ impl Navigator {
         let Some(exploring) = &mut self.exploring else { return };
         exploring.arrived_s = if is_there { exploring.arrived_s.or(Some(now_s)) } else { None };
         let has_failed = exploring.failure.take().is_some_and(|failure| failure != PlanFailure::StartBlocked);
-        let has_looked = exploring.arrived_s.is_some_and(|since_s| now_s - since_s > LOOKS_S);
+        let has_looked = exploring.arrived_s.is_some_and(|since_s| now_s - since_s > OBSERVATION_S);
         if has_failed || (has_looked && exploring.progress.goals > 0) {
             exploring.explorer.goal_is_unreachable();
             exploring.next_s = now_s;

@@ -47,7 +47,7 @@ impl std::fmt::Display for StandingReason {
                 Some(obstruction) => write!(f, "{}: {obstruction}", step.measure.words()),
                 None => write!(f, "{}", step.measure.words()),
             },
-            Self::Looking => write!(f, "looks at what lies beyond known floor"),
+            Self::Looking => write!(f, "observes what lies beyond known floor"),
             Self::Ended => write!(f, "the drive has ended"),
         }
     }
@@ -70,7 +70,9 @@ impl Navigator {
                     .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
             ),
             (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
-            _ if self.exploring.as_ref().is_some_and(Exploring::looks) => Some(StandingReason::Looking),
+            _ if self.exploring.as_ref().is_some_and(Exploring::is_observing) => {
+                Some(StandingReason::Looking)
+            }
             _ => None,
         }
     }

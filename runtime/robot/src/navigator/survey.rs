@@ -34,7 +34,7 @@ pub struct Survey {
     failed: bool,
 }
 
-/// A survey for all who draw on it: the drive, and whoever writes the map.
+/// A survey for all who draw on it: the drive, and the writer of the map.
 pub type SharedSurvey = Arc<Mutex<Survey>>;
 
 /// A finished map.

@@ -14,7 +14,7 @@ use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 use serde::Serialize;
 
-use super::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 use floorguard_host::words::counted;
 use floorguard_recording::{Diagnostic, RecordError, Recorder, Severity, topics};
 

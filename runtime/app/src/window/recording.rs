@@ -9,7 +9,7 @@ use floorguard_types::time::Stamp;
 
 use super::arguments::WindowArguments;
 use super::map::WindowMap;
-use crate::mapping_commands::files::text;
+use crate::mapping_commands::text;
 
 /// An angle belongs to a scan if it was received at most so long before or after it, seconds.
 const GAP_S: f64 = 0.3;

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use floorguard_configuration::{CanAddress, Carriers, EXAMPLE, ScannerAddress, parse};
 
+use super::command::verdict;
 use super::computer::Computer;
 use super::finding::{Finding, State};
-use super::{devices, system, verdict};
+use super::{devices, system};
 
 struct Files(tempfile::TempDir);
 

@@ -1,13 +1,5 @@
 //! `floorguard doctor`: is this computer ready to drive the robot, and what is missing?
 
-mod computer;
-mod devices;
-mod finding;
-mod holders;
-mod system;
-#[cfg(test)]
-mod tests;
-
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -16,9 +8,10 @@ use floorguard_host::executor::grants_real_time;
 use floorguard_host::words::counted;
 use serde_json::json;
 
-use self::computer::Computer;
-use self::finding::{Finding, State};
-use super::exit::VerdictFailed;
+use super::computer::Computer;
+use super::finding::{Finding, State};
+use super::{devices, system};
+use floorguard_host::outcome::VerdictFailed;
 
 /// What to look at.
 #[derive(Clone, Debug, Args)]
@@ -61,7 +54,7 @@ pub fn run(arguments: &DoctorArguments) -> anyhow::Result<()> {
     }
 }
 
-fn verdict(findings: &[Finding]) -> &'static str {
+pub(super) fn verdict(findings: &[Finding]) -> &'static str {
     match (count(findings, State::Bad), count(findings, State::Warning)) {
         (0, 0) => "good",
         (0, _) => "good with warnings",
