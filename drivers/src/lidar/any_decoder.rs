@@ -18,7 +18,7 @@ use crate::velodyne::{self, ClosedSector};
 /// use floorguard_types::time::Stamp;
 ///
 /// let mut decoder = AnyDecoder::Hesai(Decoder::new());
-/// let error = decoder.decode_into(&[0; 1_206], Stamp::ZERO, &mut LidarPacket::EMPTY).unwrap_err();
+/// let error = decoder.decode_datagram(&[0; 1_206], Stamp::ZERO, &mut LidarPacket::EMPTY).unwrap_err();
 /// assert_eq!(error.to_string(), "lidar packet starts with 00 00 00; expected EE FF 06");
 /// ```
 // One lives for the length of a run.
@@ -42,29 +42,29 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         }
     }
 
-    fn decode_into(
+    fn decode_datagram(
         &mut self,
         payload: &[u8],
         arrival: Stamp,
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError> {
         match self {
-            Self::Velodyne(decoder) => LidarDecoder::decode_into(decoder, payload, arrival, out),
-            Self::Hesai(decoder) => LidarDecoder::decode_into(decoder, payload, arrival, out),
+            Self::Velodyne(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
-    fn odd_block(&self) -> Option<LidarError> {
+    fn left_out_block(&self) -> Option<LidarError> {
         match self {
-            Self::Velodyne(decoder) => LidarDecoder::odd_block(decoder),
-            Self::Hesai(decoder) => LidarDecoder::odd_block(decoder),
+            Self::Velodyne(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
-    fn closed_sector(&self) -> Option<ClosedSector> {
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
         match self {
-            Self::Velodyne(decoder) => LidarDecoder::closed_sector(decoder),
-            Self::Hesai(decoder) => LidarDecoder::closed_sector(decoder),
+            Self::Velodyne(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
         }
     }
 }

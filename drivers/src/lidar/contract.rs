@@ -17,7 +17,7 @@ pub trait LidarDecoder<P: Profile> {
     ///
     /// # Errors
     /// Why the datagram is of no use; it is counted, and what stands in `out` has no meaning.
-    fn decode_into(
+    fn decode_datagram(
         &mut self,
         payload: &[u8],
         arrival: Stamp,
@@ -25,10 +25,10 @@ pub trait LidarDecoder<P: Profile> {
     ) -> Result<u16, LidarError>;
 
     /// Why a block of the newest packet was left out though the packet was taken.
-    fn odd_block(&self) -> Option<LidarError>;
+    fn left_out_block(&self) -> Option<LidarError>;
 
     /// The sector that the lidar leaves out because it is set to a field of view, once it has shown.
-    fn closed_sector(&self) -> Option<ClosedSector>;
+    fn known_closed_sector(&self) -> Option<ClosedSector>;
 }
 
 impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
@@ -36,7 +36,7 @@ impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
         self.set_lasers_max(lasers_max);
     }
 
-    fn decode_into(
+    fn decode_datagram(
         &mut self,
         payload: &[u8],
         arrival: Stamp,
@@ -45,11 +45,11 @@ impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Velodyne)
     }
 
-    fn odd_block(&self) -> Option<LidarError> {
+    fn left_out_block(&self) -> Option<LidarError> {
         self.odd_block().map(|error| LidarError::Velodyne(velodyne::DecodeError::Packet(error)))
     }
 
-    fn closed_sector(&self) -> Option<ClosedSector> {
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
         self.closed_sector()
     }
 }
@@ -59,7 +59,7 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
         self.set_lasers_max(lasers_max);
     }
 
-    fn decode_into(
+    fn decode_datagram(
         &mut self,
         payload: &[u8],
         arrival: Stamp,
@@ -69,12 +69,12 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
     }
 
     /// A packet with an odd block is refused whole.
-    fn odd_block(&self) -> Option<LidarError> {
+    fn left_out_block(&self) -> Option<LidarError> {
         None
     }
 
     /// Its columns carry their azimuths: what is between two of them stays unknown without a name.
-    fn closed_sector(&self) -> Option<ClosedSector> {
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
         None
     }
 }

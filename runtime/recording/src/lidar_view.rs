@@ -41,7 +41,7 @@ impl LidarView {
         if self.every == 0 {
             return None;
         }
-        let lost = self.decoder.decode_into(datagram, arrival, &mut self.packet).ok()?;
+        let lost = self.decoder.decode_datagram(datagram, arrival, &mut self.packet).ok()?;
         let Self { packet, builder, building, angles, every, sweeps, .. } = self;
         let mut found = None;
         builder.add(packet, lost, building, |sweep| {

@@ -36,7 +36,7 @@ pub async fn lidar_input<M: RawMutex>(
             continue;
         };
         let bytes = buffer.get(..received.length).unwrap_or_default();
-        match decoder.decode_into(bytes, received.arrival, &mut newest.packet) {
+        match decoder.decode_datagram(bytes, received.arrival, &mut newest.packet) {
             Ok(lost_before) => {
                 socket.keep_sender();
                 newest.lost_before = lost_before;
@@ -46,7 +46,7 @@ pub async fn lidar_input<M: RawMutex>(
                     shared.remember(|guard| guard.remember_more(&newest.packet));
                 }
                 shared.packets.push(|slot| slot.copy_from(&newest));
-                let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
+                let (odd, closed) = (decoder.left_out_block(), decoder.known_closed_sector());
                 if odd.is_some() || closed.is_some() {
                     shared.complain(|complaints| {
                         complaints.lidar = odd.or(complaints.lidar);

@@ -84,7 +84,7 @@ fn nearest_neighbours(ways: &Ways, first: Option<usize>) -> Vec<usize, PLACES_MA
     }
     for _ in 0..PLACES_MAX {
         let Some(&here) = places.last() else { break };
-        let rest = (0..ways.count()).filter(|place| !places.contains(place));
+        let rest = (0..ways.count().min(PLACES_MAX)).filter(|place| !places.contains(place));
         let nearest = rest.min_by(|&a, &b| ways.between(here, a).total_cmp(&ways.between(here, b)));
         let Some(nearest) = nearest else { break };
         let _ = places.push(nearest);

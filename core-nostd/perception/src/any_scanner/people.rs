@@ -78,7 +78,7 @@ impl<P: Profile> PeopleByAnyScannerOf<P> {
         let evidence = |points: &[Point2]| {
             places.evidence(points).filter(|place| is_fixed && place.observations >= OBSERVATIONS_MIN)
         };
-        let found = detector.process_by(scan, None::<fn(Point2) -> bool>, evidence);
+        let found = detector.process_by(scan, without_map(), evidence);
         self.segments = found.segments;
         self.dropped_legs = self.dropped_legs.saturating_add(found.dropped);
         self.detector.move_legs(|place| scanner.transform(place));
@@ -118,6 +118,11 @@ impl<P: Profile> PeopleByAnyScannerOf<P> {
     pub const fn tracker(&self) -> &LegTracker {
         &self.tracker
     }
+}
+
+/// No map: nothing is furniture by it.
+fn without_map() -> Option<impl Fn(Point2) -> bool> {
+    Some(|_: Point2| false).filter(|_| false)
 }
 
 #[cfg(test)]

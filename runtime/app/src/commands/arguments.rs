@@ -48,6 +48,7 @@ pub enum Command {
     Simulate(super::SimulateArguments),
     #[cfg(feature = "laboratory")]
     /// Write a recorded lidar as a tape for the emulated board; `cargo xtask firmware --replay FILE` plays it there.
+    #[command(after_help = "Example:\n  floorguard tape puck.pcap.gz --out puck.tape --duration 5")]
     Tape(super::TapeArguments),
     #[cfg(feature = "laboratory")]
     /// Many seeded runs on all cores: encounters with people, faults, worlds judged for contacts by true geometry.

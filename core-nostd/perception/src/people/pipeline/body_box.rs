@@ -147,7 +147,7 @@ impl<P: Profile> PeoplePipelineOf<P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::seen_by_vlp16::{SENSOR_M, seen, standing};
+    use super::super::vlp16_tests::{SENSOR_M, seen, standing};
 
     /// Farther than what belongs together.
     const FOOT_AHEAD_M: f32 = 0.3;

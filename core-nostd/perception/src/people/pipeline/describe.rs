@@ -78,7 +78,7 @@ fn is_same_surface([lower, upper]: [u16; 2], [lower_cos, upper_cos]: [f32; 2], g
 
 #[cfg(test)]
 mod tests {
-    use super::super::seen_by_vlp16::{SENSOR_M, seen};
+    use super::super::vlp16_tests::{SENSOR_M, seen};
     use super::*;
 
     /// Where the object stands, and the wall behind it.

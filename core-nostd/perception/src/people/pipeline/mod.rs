@@ -5,11 +5,12 @@ mod candidates;
 mod context;
 mod describe;
 mod find_clusters;
-#[cfg(test)]
-mod seen_by_vlp16;
 mod sharing;
 mod state;
 mod upper_bodies;
 
 pub use context::{PeopleCounters, PeopleOutput, PeopleOutputOf, SweepContext};
 pub use state::{PeoplePipeline, PeoplePipelineOf};
+
+#[cfg(test)]
+mod vlp16_tests;
