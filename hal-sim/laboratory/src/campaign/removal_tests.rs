@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 
 use floorguard_contact_judge::JobOutcome;
+use floorguard_robot::assembly::Stages;
 use floorguard_sim::FaultSpec;
 
 use super::contacts::contact_plan;
@@ -34,12 +35,14 @@ struct Case {
     world: &'static str,
     fault: Option<&'static str>,
     emergency_stop: bool,
+    /// With the memory of the microcontroller, which takes one firing of each lidar packet.
+    as_on_board: bool,
     removal: Removal,
     sign: Sign,
 }
 
 const fn case(world: &'static str, removal: Removal) -> Case {
-    Case { world, fault: None, emergency_stop: false, removal, sign: Sign::Fails }
+    Case { world, fault: None, emergency_stop: false, as_on_board: false, removal, sign: Sign::Fails }
 }
 
 const CASES: [Case; 17] = [
@@ -51,9 +54,9 @@ const CASES: [Case; 17] = [
     case("box-160", Removal::Imu),
     case("box-160", Removal::Encoders),
     case("box-160", Removal::Inputs),
-    case("low-box-8", Removal::Bumpers),
+    case("low-box-6", Removal::Bumpers),
     case("edge", Removal::FloorSwitches),
-    Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-8", Removal::EmergencyStop) },
+    Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-6", Removal::EmergencyStop) },
     case("box-30", Removal::ScanRule),
     case("board-70", Removal::LidarRule),
     case("board-70", Removal::ProtectiveRules),
@@ -61,6 +64,8 @@ const CASES: [Case; 17] = [
     Case { sign: Sign::Touches, ..case("step-in", Removal::PersonRule) },
     Case {
         fault: Some("scanner:drop=100%,from=3s"),
+        // A computer's memory of the lidar holds the post without any scanner.
+        as_on_board: true,
         sign: Sign::Touches,
         ..case("post-30", Removal::ScannerLostRule)
     },
@@ -79,6 +84,9 @@ fn plan(case: &Case) -> Plan {
     plan.lidar_grain = 2;
     plan.faults.extend(case.fault.map(|fault| FaultSpec::parse(fault).expect("a fault")));
     plan.emergency_stop_us.extend(case.emergency_stop.then_some(EMERGENCY_STOP_US));
+    if case.as_on_board {
+        plan.stages = Stages::AsOnBoard;
+    }
     plan
 }
 

@@ -124,7 +124,7 @@ fn damaged_scans_enter_nowhere() {
 fn recordings_become_maps() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/actuated_lidar");
     if !folder.is_dir() {
-        println!("skipped: {} is not there", folder.display());
+        eprintln!("skipped: {} is not there", folder.display());
         return;
     }
     let key = [
