@@ -107,6 +107,9 @@ pub enum Command {
     /// Take what moved out of a lidar capture: clouds without people, and what was removed.
     CleanMap(CleanArguments),
     /// Find out where sensors are mounted, from points picked in the data of both.
+    #[command(
+        after_help = "Example:\n  floorguard calibrate camera-lidar pairs.csv --camera front.json --out front-mounted.json"
+    )]
     Calibrate(CalibrateArguments),
     #[cfg(feature = "detector")]
     /// Find people in pictures by a detector that you bring, for `clean-map --boxes`.

@@ -22,6 +22,7 @@ pub struct EvalArguments {
 #[derive(Clone, Debug, Subcommand)]
 pub enum EvalStage {
     /// The floor in one turn of a lidar, out of a point cloud (PLY, PCD, KITTI).
+    #[command(after_help = "Example:\n  floorguard eval ground sweep.ply --out floor.ply")]
     Ground(GroundArguments),
     /// A trajectory against reference relations or a true trajectory.
     Slam(SlamArguments),

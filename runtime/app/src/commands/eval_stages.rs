@@ -37,6 +37,7 @@ pub enum RecordedStage {
         key: PathBuf,
     },
     /// One person in the scans of a two-dimensional scanner that may move: seen, followed, confirmed.
+    #[command(after_help = "Example:\n  floorguard eval walker --scans scans.csv --truth person.csv")]
     Walker {
         /// Lines of bag time (ns), time (s) and ranges, blank where nothing returned; the first line names the geometry.
         #[arg(long)]

@@ -71,6 +71,7 @@ pub struct MapArguments {
 #[derive(Clone, Debug, Subcommand)]
 pub enum MapTask {
     /// Crop a map, turn it to its walls, erase what was there by chance, mark zones that are not driven.
+    #[command(after_help = "Example:\n  floorguard map edit maps/hall --to-walls --out maps/hall-edited")]
     Edit(MapEditArguments),
 }
 
