@@ -120,7 +120,7 @@ impl core::error::Error for PacketError {}
 /// let block = packet.blocks().next().unwrap();
 /// // 100°; the uppermost laser sees something 1 m away.
 /// assert_eq!((block.azimuth_cdeg, block.cells().next()), (10_000, Some((250, 40))));
-/// assert_eq!(Packet::new_checked(&bytes[1..]).unwrap_err(), PacketError::Length { received: 567 });
+/// assert_eq!(Packet::new_checked(&bytes[..567]).unwrap_err(), PacketError::Length { received: 567 });
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Packet<'a> {

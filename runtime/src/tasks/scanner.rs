@@ -91,13 +91,22 @@ impl Place for Rear {
 }
 
 /// An S300. Guard ring. Runs for ever.
-pub async fn scanner_input<M: RawMutex>(shared: &Shared<M>, line: impl Read, receiver: s300::Receiver) {
-    s300_input::<Front, M>(shared, line, receiver).await;
+// Not async itself: its future would hold the receiver a second time.
+pub fn scanner_input<M: RawMutex>(
+    shared: &Shared<M>,
+    line: impl Read,
+    receiver: s300::Receiver,
+) -> impl Future<Output = ()> {
+    s300_input::<Front, M>(shared, line, receiver)
 }
 
 /// The second safety scanner, an S300 on a line of its own. Guard ring. Runs for ever.
-pub async fn rear_scanner_input<M: RawMutex>(shared: &Shared<M>, line: impl Read, receiver: s300::Receiver) {
-    s300_input::<Rear, M>(shared, line, receiver).await;
+pub fn rear_scanner_input<M: RawMutex>(
+    shared: &Shared<M>,
+    line: impl Read,
+    receiver: s300::Receiver,
+) -> impl Future<Output = ()> {
+    s300_input::<Rear, M>(shared, line, receiver)
 }
 
 async fn s300_input<P: Place, M: RawMutex>(
@@ -200,7 +209,7 @@ fn fault<P: Place, M: RawMutex>(shared: &Shared<M>, kind: FaultKind, now: Stamp)
     shared.decide(|guard| guard.on_source_fault(P::SOURCE, kind, now));
 }
 
-fn count_one<M: RawMutex>(shared: &Shared<M>, counter: fn(&mut LinkCounters) -> &mut u32) {
+fn count_one<M: RawMutex>(shared: &Shared<M>, counter: impl for<'a> Fn(&'a mut LinkCounters) -> &'a mut u32) {
     shared.count(|links| {
         let count = counter(links);
         *count = count.saturating_add(1);

@@ -67,7 +67,8 @@ fn sources() -> (String, String) {
     for path in files.iter().filter(|path| path.file_name() != Some(this)) {
         let text = fs::read_to_string(path).expect("readable");
         let inside = path.strip_prefix(root()).expect("below the root");
-        if inside.components().any(|part| part.as_os_str() == "tests" || part.as_os_str() == "tests.rs") {
+        let is_test = |part: &str| part.ends_with("tests") || part.ends_with("tests.rs");
+        if inside.components().any(|part| part.as_os_str().to_str().is_some_and(is_test)) {
             tests.push_str(&text);
         } else {
             code.push_str(&text);
@@ -106,11 +107,13 @@ fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
     let mut files = Vec::new();
     rust_files(&root().join("core-nostd/guard/src"), &mut files);
     files.retain(|path| path.parent().is_some_and(|folder| folder.ends_with("guard/src")));
+    files.retain(|path| !path.to_string_lossy().ends_with("_tests.rs"));
     let code_lines = |path: &PathBuf| {
         let text = fs::read_to_string(path).expect("readable");
         // A test module declared in one line has its code in `tests`; any other ends the file.
-        let text =
-            text.replace("#[cfg(test)]\nmod tests;", "").replace("#[cfg(test)]\nextern crate std;", "");
+        let text = ["extern crate std;", "mod drive_tests;", "mod tests;"]
+            .iter()
+            .fold(text, |text, declared| text.replace(&format!("#[cfg(test)]\n{declared}"), ""));
         let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
         let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
         code.lines().filter(is_code).map(str::to_string).collect::<Vec<_>>()

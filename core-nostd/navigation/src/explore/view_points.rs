@@ -18,7 +18,7 @@ pub const VIEW_POINTS_MAX: usize = 16;
 /// Cells of a way that are examined.
 const STEPS_MAX: usize = 4_096;
 /// Cells of the costmap along the edge of a coarse one.
-const EDGE_MAX: usize = 64;
+const EDGE_MAX: i32 = 64;
 
 /// How frontiers are looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +177,8 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>, L: AsRef<[u8]> + AsMut<[u8]>>
         }
         let GridCoordinates { column, row } = self.search.geometry().coordinates(coarse);
         let (left, bottom) = (column.saturating_mul(self.edge), row.saturating_mul(self.edge));
-        let inside = (0..self.edge.min(EDGE_MAX)).flat_map(|y| (0..self.edge.min(EDGE_MAX)).map(move |x| (x, y)));
+        let inside =
+            (0..self.edge.min(EDGE_MAX)).flat_map(|y| (0..self.edge.min(EDGE_MAX)).map(move |x| (x, y)));
         let mut cells = inside.filter_map(|(x, y)| {
             let (column, row) = (left.saturating_add(x), bottom.saturating_add(y));
             costmap.geometry().index(column, row).filter(|_| costmap.cost(column, row) == lowest)
@@ -188,7 +189,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>, L: AsRef<[u8]> + AsMut<[u8]>>
 
 fn edge_of(costmap: &GridGeometry, raster_m: f32) -> usize {
     let cells = libm::roundf(raster_m * costmap.cells_per_metre());
-    floorguard_types::number::exact_usize(saturating_u32(cells).max(1)).min(EDGE_MAX)
+    floorguard_types::number::exact_usize(saturating_u32(cells).clamp(1, EDGE_MAX.unsigned_abs()))
 }
 
 /// Nothing that was seen or never seen lies between.

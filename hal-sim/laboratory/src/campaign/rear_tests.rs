@@ -88,7 +88,7 @@ fn fg_req_063_low_box_is_touched_at_the_accepted_speed() {
     );
     let robot = parse("robot.toml", &accepted).unwrap_or_else(|refused| panic!("{refused}")).robot;
     let mut limited = plan("low-box-6");
-    limited.duration_us = 26_000_000;
+    limited.duration_us = 40_000_000;
     let mut free = limited.clone();
     limited.robot.unseen = robot.unseen;
     free.duration_us = 10_000_000;
