@@ -4,6 +4,7 @@ use core::hint::black_box;
 
 use floorguard_drivers::can::{CanFrame, SlcanReceiver, encode_slcan};
 use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, decode_sdo, network_frame};
+use floorguard_drivers::lidar::{AnyDecoder, LidarDecoder};
 use floorguard_drivers::microscan3;
 use floorguard_drivers::s300;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
@@ -18,6 +19,7 @@ use floorguard_types::time::Stamp;
 /// State of the drivers.
 pub struct Drivers {
     decoder: Decoder,
+    any_lidar: AnyDecoder,
     sweeps: SweepBuilder,
     packet: LidarPacket,
     sweep: Sweep,
@@ -45,6 +47,7 @@ pub fn all(state: &mut Drivers, now: Stamp) {
     let copy = state.bytes;
     let bytes: &[u8] = black_box(&copy);
     root_velodyne(&mut state.decoder, bytes, now);
+    root_any_lidar((&mut state.any_lidar, &mut state.packet), bytes, now);
     root_sweep(&mut state.sweeps, &state.packet, &mut state.sweep);
     root_position(bytes);
     root_s300(&mut state.receiver, bytes, now);
@@ -62,6 +65,13 @@ pub fn all(state: &mut Drivers, now: Stamp) {
 #[inline(never)]
 fn root_velodyne(decoder: &mut Decoder, bytes: &[u8], now: Stamp) {
     let _ = black_box(decoder.decode(bytes, now).is_ok());
+}
+
+#[inline(never)]
+fn root_any_lidar((decoder, packet): (&mut AnyDecoder, &mut LidarPacket), bytes: &[u8], now: Stamp) {
+    decoder.limit_lasers(16);
+    let taken = decoder.decode_datagram(bytes, now, packet).is_ok();
+    black_box((taken, decoder.left_out_block().is_some(), decoder.known_closed_sector().is_some()));
 }
 
 #[inline(never)]
