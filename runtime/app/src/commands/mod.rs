@@ -25,8 +25,8 @@ mod learn;
 mod live;
 mod live_camera;
 mod manual;
-#[cfg(feature = "laboratory")]
 mod map_here;
+#[cfg(feature = "laboratory")]
 mod mission;
 mod panel;
 mod report;

@@ -2,6 +2,8 @@
 
 mod arguments;
 mod command;
+// Recordings need a part of it, the simulated rig all.
+#[cfg_attr(not(feature = "laboratory"), allow(dead_code))]
 mod map;
 mod output;
 mod recording;
