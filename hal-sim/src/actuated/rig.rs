@@ -24,12 +24,12 @@ pub enum RigFault {
         /// Microseconds.
         from_us: u64,
     },
-    /// Of the motor's angles only every so many arrives.
+    /// Each `every`-th angle of the motor arrives, the others are lost.
     AnglesLost {
         /// 2 or more.
         every: u32,
     },
-    /// One character in every so many scans is another one.
+    /// Each `every`-th scan has one wrong character.
     DamagedCheck {
         /// 1: all of them.
         every: u32,

@@ -87,20 +87,26 @@ pub fn octomap(surveys: &dyn Surveys) -> anyhow::Result<Outcome> {
         let Some(sensor) = place(labelled, track, &mut placed) else { return };
         took_s += cpu_s(|| map.enter(sensor, &placed));
     })?;
-    let mut score = Score::default();
+    let scored = scored(surveys, &|point| point.z_m > 0.1 && !map.is_occupied(point))?;
+    let cast = (sweeps / REFERENCE_EVERY).max(1);
+    Ok(Outcome { ms_per_sweep: 1.0e3 * took_s / cast as f64, ..scored })
+}
+
+/// What a reference makes of all points, whose time was taken before.
+fn scored(surveys: &dyn Surveys, is_removed: &dyn Fn(Point3) -> bool) -> anyhow::Result<Outcome> {
+    let (mut score, mut placed) = (Score::default(), Vec::new());
     let (mut kept, mut removed) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
     surveys.for_each(&mut |labelled, track| {
         if place(labelled, track, &mut placed).is_none() {
             return;
         }
         for (point, label) in placed.iter().zip(&labelled.labels) {
-            let is_removed = point.z_m > 0.1 && !map.is_occupied(*point);
+            let is_removed = is_removed(*point);
             score.enter(*label > 0, is_removed);
             if is_removed { removed.enter(*point) } else { kept.enter(*point) }
         }
     })?;
-    let cast = (sweeps / REFERENCE_EVERY).max(1);
-    Ok(Outcome { score, ms_per_sweep: 1.0e3 * took_s / cast as f64, kept, removed })
+    Ok(Outcome { score, ms_per_sweep: 0.0, kept, removed })
 }
 
 /// The second plain reference, by heights in polar bins; every fifth sweep is compared, as for the other.
@@ -123,20 +129,9 @@ pub fn erasor(surveys: &dyn Surveys) -> anyhow::Result<Outcome> {
         let Some(sensor) = place(labelled, track, &mut placed) else { return };
         took_s += cpu_s(|| map.compare(sensor, &placed));
     })?;
-    let mut score = Score::default();
-    let (mut kept, mut removed) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
-    surveys.for_each(&mut |labelled, track| {
-        if place(labelled, track, &mut placed).is_none() {
-            return;
-        }
-        for (point, label) in placed.iter().zip(&labelled.labels) {
-            let is_removed = !map.stays(*point);
-            score.enter(*label > 0, is_removed);
-            if is_removed { removed.enter(*point) } else { kept.enter(*point) }
-        }
-    })?;
+    let scored = scored(surveys, &|point| !map.stays(point))?;
     let compared = (sweeps / REFERENCE_EVERY).max(1);
-    Ok(Outcome { score, ms_per_sweep: 1.0e3 * took_s / compared as f64, kept, removed })
+    Ok(Outcome { ms_per_sweep: 1.0e3 * took_s / compared as f64, ..scored })
 }
 
 /// Puts the returns into the map, each by the pose at its own time; the pose in the middle of the sweep is the sensor's.

@@ -3,6 +3,8 @@
 
 use crate::sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
 use floorguard_drivers::hesai::Decoder;
+use floorguard_laboratory::plan::Plan;
+use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::robot::{LidarDevice, RobotParameters};
 use floorguard_sim::{Simulation, Stream};
@@ -93,4 +95,26 @@ fn dropped_pandar_packets_are_counted() {
     let missing = sent - arrived.len() as u64;
     let counted = u64::from(decoder.counters().lost);
     assert!(missing > 150 && missing.abs_diff(counted) <= 3, "{missing} missing, {counted} counted");
+}
+
+/// A board at 0.7 m, which the lidar alone sees: the robot stands before it, and without its lidar it does not drive at all.
+#[test]
+fn robot_with_a_pandar_stops_before_boards() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../hal-sim/scenarios/hazards/board-70.toml");
+    let drive = |fault: Option<&str>| {
+        let scenario = load_scenario(path.as_ref()).unwrap();
+        let plan = Plan::of("board-70", scenario, 1, 10_000_000).unwrap();
+        let mut plan = plan.with_pandar_xt16().unwrap();
+        plan.lidar_grain = 2;
+        plan.faults.extend(fault.map(|text| FaultSpec::parse(text).unwrap()));
+        let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+        let mut observer = Observer::new(&plan, &mut show);
+        run_virtual(&plan, &mut observer).unwrap();
+        let verdict = observer.into_observation().verdict;
+        (verdict.distance_m, verdict.bodies.counts.while_moving())
+    };
+    let (distance_m, contacts) = drive(None);
+    assert!(distance_m > 2.0 && contacts == 0, "{distance_m} m, {contacts} contacts");
+    let (distance_m, _) = drive(Some("lidar:drop=100%"));
+    assert!(distance_m < 0.05, "{distance_m} m without the lidar");
 }

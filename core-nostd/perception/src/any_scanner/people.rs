@@ -22,7 +22,7 @@ const SCORE_MIN: f32 = -0.55;
 /// committee was not trained for are lost.
 const RELIABILITY_MIN: f32 = 0.35;
 
-/// Legs of one scanner, the places around it, and the people to whom the legs belong. Unlike
+/// The legs that one scanner sees, the places around it, and the people that the legs make up. Unlike
 /// [`PeopleByLegsOf`](crate::legs::PeopleByLegsOf) it knows nothing of the scanner, and learns the furniture as it goes.
 #[derive(Clone, Debug)]
 pub struct PeopleByAnyScannerOf<P: Profile> {

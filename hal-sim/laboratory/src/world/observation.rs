@@ -26,7 +26,7 @@ pub struct SeenStop {
     pub speed_mps: f32,
 }
 
-/// People whom the guard was advised of at one moment.
+/// The people in the guard's advice at one moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AdvisedPeople {
     /// End of the sweep, the robot's clock, microseconds.

@@ -32,7 +32,7 @@ pub enum TrainWhat {
     /// The shape of people in lidar sweeps, from simulated rooms and the built-in scenarios.
     #[command(after_help = "Example:\n  floorguard train people --out people.rs --scenes 40")]
     People(TrainPeopleArguments),
-    /// What people look like in a new place, from tracks, without anybody's labels; the truth of the simulation judges.
+    /// What people look like in a new place, from tracks, without labels made by hand; the truth of the simulation judges.
     #[command(
         after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson"
     )]

@@ -1,4 +1,4 @@
-//! `PointCloud2` messages of anybody's bag as sweeps: rings by the field `ring`, `channel` or `line`, the rows of an organised
+//! `PointCloud2` messages of any bag as sweeps: rings by the field `ring`, `channel` or `line`, the rows of an organised
 //! cloud, or the elevation; times by the field `t`, `time`, `timestamp` or `offset_time`, or the azimuth.
 
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! `floorguard replay`: anybody's data through the same stages as on the robot.
+//! `floorguard replay`: any recording through the same stages as on the robot.
 //!
 //! What a file is, its first bytes tell: a recording or bag (MCAP), a capture (pcap, pcapng, gzip), or a CARMEN log.
 

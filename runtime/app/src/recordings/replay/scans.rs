@@ -1,4 +1,4 @@
-//! Ranges of anybody's two-dimensional scanner as a scan of the robot.
+//! Ranges of any two-dimensional scanner as a scan of the robot.
 
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::sensing::{BeamReturn, Scan};
