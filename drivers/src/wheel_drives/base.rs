@@ -172,9 +172,14 @@ impl WheelDrives {
         self.counters.losses = self.counters.losses.saturating_add(losses);
     }
 
-    /// What the wheels are to do from now on; goes out with the next poll or [`Self::send_command`].
+    /// What the wheels are to do from now on; goes out with the next poll or [`Self::send_command`]. The first step of a stop is taken
+    /// here, so that what is sent at once is slower already.
     pub fn command(&mut self, command: WheelCommand) {
+        let (was_moving, bus) = (matches!(self.group.commanded(), WheelCommand::Move(_)), self.configuration);
         self.group.command(command);
+        if was_moving && matches!(command, WheelCommand::Stop(_)) {
+            self.group.ramp(&bus);
+        }
     }
 
     /// The last command to the wheels.

@@ -213,6 +213,11 @@ impl WheelGroup {
     /// Ten milliseconds have passed: one step of the ramp, and of a fault reset.
     pub fn step(&mut self, bus: &WheelDrivesConfiguration) {
         self.reset_steps = self.reset_steps.saturating_sub(1);
+        self.ramp(bus);
+    }
+
+    /// One step of the ramp.
+    pub fn ramp(&mut self, bus: &WheelDrivesConfiguration) {
         let operates = self.reports().all(|report| report.state == Some(PowerState::OperationEnabled));
         let wanted = match self.command {
             WheelCommand::Move(wanted) if operates && wanted.is_finite() => wanted,
