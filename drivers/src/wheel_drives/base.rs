@@ -124,7 +124,7 @@ impl WheelDrives {
         let silent = self.following_error.watch(ordered_mps, self.group.fastest_mps(), ramp_mps2, now);
         if silent {
             self.counters.silences = self.counters.silences.saturating_add(1);
-            // They may obey the next frame that reaches them; what counts is their own watch over the heartbeat.
+            // They may obey the next frame that reaches them; what counts is their own watch over the heartbeat (FG-REQ-055).
             self.wheel_nodes().for_each(|node| send(&network_frame(NetworkCommand::Stop, node)));
         }
         self.counts.iter_mut().for_each(|count| count.is_new = false);

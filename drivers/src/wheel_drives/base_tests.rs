@@ -109,7 +109,7 @@ impl Bench {
 const GO: WheelCommand = WheelCommand::Move(SideTargets { left_mps: 0.4, right_mps: 0.6 });
 
 #[test]
-fn stop_keeps_the_curve_until_standstill() {
+fn fg_req_080_stop_keeps_curve_until_standstill() {
     let mut bench = Bench::operating([1, 2, 0, 0]);
     bench.report_all(0x0237, [0; 4]);
     bench.base.command(GO);
@@ -212,7 +212,7 @@ fn positions_of_one_sync_make_one_sample() {
 
 /// Mecanum wheels that turn against each other on one side move the base sideways: that is a fault of its own.
 #[test]
-fn sideways_motion_is_a_fault() {
+fn fg_req_082_sideways_motion_is_fault() {
     let mut bench = Bench::operating([1, 2, 3, 4]);
     bench.base.command(GO);
     for _ in 0..29 {

@@ -2,7 +2,7 @@
 //!
 //! A drive that brakes by a ramp of its own would bend the curve: the inner wheel stands while the outer one still turns. So
 //! the master leads all wheels to their speeds together, one step each poll, and they reach standstill at the same moment. The
-//! drives' own ramps and quick stop are for a bus that is silent.
+//! drives' own ramps and quick stop are for a bus that is silent (FG-REQ-080).
 
 use floorguard_types::number::{nearest_f32, saturating_i32};
 use floorguard_types::sensing::{DriveFeedback, DriveState};
@@ -152,7 +152,8 @@ impl WheelGroup {
         }
     }
 
-    /// Four wheels that move a base forward and turn it are alike on each side; else it moves sideways, or a wheel slips.
+    /// Four wheels that move a base forward and turn it are alike on each side; else it moves sideways, or a wheel slips
+    /// (FG-REQ-082).
     fn compare_sides(&mut self) {
         if self.wheels < WHEELS_MAX {
             return;

@@ -246,4 +246,48 @@ mod tests {
             assert!(refused.contains(words), "{words} is not in: {refused}");
         }
     }
+
+    const NODES: &str =
+        "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
+
+    /// The example robot on other wheels, its drives on the bus.
+    fn on_wheels(base: &str, nodes: &str) -> String {
+        format!("{}\n[base]\n{base}\n", EXAMPLE.replace(NODES, nodes))
+    }
+
+    #[test]
+    fn wheels_give_lever_track_and_counts() {
+        let text = on_wheels("kind = \"differential\"", "left_drive_node = 7\nright_drive_node = 8\n")
+            .replace("wheelbase_m = 0.80\n", "");
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        assert_eq!((robot.train, robot.can.wheel_nodes), (DriveTrain::Differential, [7, 8, 0, 0]));
+        let drive = robot.guard().drive;
+        assert_eq!((drive.wheelbase_m, drive.wheel_lever_m), (0.3, 0.3));
+        let four = "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n";
+        let text = on_wheels("kind = \"omnidirectional\"", four);
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        // It turns as a differential base whose track is 0.8 + 0.6 m, and counts two wheels on each side.
+        assert_eq!((robot.geometry.track_m, robot.geometry.ticks_per_m), (1.4, 40_000.0));
+        assert_eq!(robot.guard().drive.wheel_lever_m, 0.7);
+        let text = on_wheels("kind = \"ackermann\"\nsteering_max_deg = 45.0", NODES);
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        assert!((robot.ackermann().curvature_max_per_m() - 1.25).abs() < 1.0e-5);
+        robot.guard().validate().unwrap();
+    }
+
+    #[test]
+    fn wheels_that_do_not_fit_are_refused() {
+        let pair = "left_drive_node = 1\nright_drive_node = 2\n";
+        for (text, words) in [
+            (on_wheels("kind = \"diferential\"", pair), "did you mean"),
+            (on_wheels("kind = \"differential\"", NODES), "`left_drive_node` is missing"),
+            (on_wheels("kind = \"differential\"", &pair.replace('2', "5")), "are not different"),
+            (on_wheels("kind = \"ackermann\"", NODES), "`steering_max_deg` is missing"),
+            (on_wheels("kind = \"differential\"", pair), "`wheelbase_m` is not a known key"),
+            (on_wheels("", NODES), "`kind` is missing"),
+        ] {
+            let refused = parse("robot.toml", &text).expect_err(words).to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
+        }
+    }
 }

@@ -8,9 +8,9 @@ use floorguard_drivers::wheel_drives::WheelDrivesConfiguration;
 use floorguard_guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
-use floorguard_localisation::odometry::{Ackermann, BaseModel, SideWheels, Tricycle, WheelGeometry};
+use floorguard_localisation::odometry::{Ackermann, SideWheels, Tricycle, WheelGeometry};
 use floorguard_types::capacities::PACKET_RINGS_MAX;
-use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};
 use super::sources::{LidarModel, ScannerConfiguration};
@@ -149,15 +149,6 @@ impl RobotConfiguration {
             _ => STEERING_MAX_RAD,
         };
         Ackermann { wheelbase_m, track_m, steering_max_rad }
-    }
-
-    /// The nearest velocity to a requested one that the base can drive (book, Odometry: Bases).
-    #[must_use]
-    pub fn drivable(&self, requested: Twist2) -> Twist2 {
-        match self.train {
-            DriveTrain::Ackermann { .. } => self.ackermann().drivable(requested),
-            DriveTrain::Tricycle | DriveTrain::Differential | DriveTrain::Omnidirectional { .. } => requested,
-        }
     }
 
     /// The kinematics.

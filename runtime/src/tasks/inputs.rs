@@ -38,7 +38,7 @@ pub fn observed_command_input<M: RawMutex>(
     shaped_command_input(shared, |wanted| wanted, observe)
 }
 
-/// The same for a base that cannot drive every velocity: the guard judges what `drivable` makes of the requested one.
+/// The same for a base that cannot drive every velocity: the guard judges what `drivable` makes of the requested one (FG-REQ-083).
 pub async fn shaped_command_input<M: RawMutex>(
     shared: &Shared<M>,
     drivable: impl Fn(Twist2) -> Twist2,

@@ -1,8 +1,10 @@
 //! The same worlds driven by each base: the verdict of the independent judge, and where the robot believes it is, do not depend on the
 //! wheels.
 
-use floorguard_configuration::EXAMPLE;
+use floorguard_configuration::{CommandConfiguration, EXAMPLE};
+use floorguard_laboratory::plan::{OutsideProgram, Stretch};
 use floorguard_laboratory::world::{Observation, Observer, Plan, load_scenario, run_virtual};
+use floorguard_sim::wire::SentVelocity;
 
 const SECOND_US: u64 = 1_000_000;
 
@@ -42,6 +44,10 @@ fn robot(base: &str) -> String {
 }
 
 fn play(base: &str, scenario: &str, seconds: u64) -> Observation {
+    watch(plan(base, scenario, seconds))
+}
+
+fn plan(base: &str, scenario: &str, seconds: u64) -> Plan {
     let folder = tempfile::tempdir().unwrap();
     let (world, file) = (folder.path().join("scenario.toml"), folder.path().join("robot.toml"));
     std::fs::write(&world, scenario).unwrap();
@@ -49,6 +55,10 @@ fn play(base: &str, scenario: &str, seconds: u64) -> Observation {
     let mut plan = Plan::of(base, load_scenario(&world).unwrap(), 1, seconds * SECOND_US).unwrap();
     plan = plan.with_robot(&file).unwrap_or_else(|error| panic!("{base}: {error:#}"));
     plan.lidar_grain = 6;
+    plan
+}
+
+fn watch(plan: Plan) -> Observation {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
     run_virtual(&plan, &mut observer).unwrap();
@@ -56,7 +66,7 @@ fn play(base: &str, scenario: &str, seconds: u64) -> Observation {
 }
 
 #[test]
-fn fg_req_080_every_base_stops_for_a_person() {
+fn every_base_stops_for_a_person() {
     for base in BASES {
         let seen = play(base, PERSON_AHEAD, 12);
         assert!(seen.verdict.passed, "{base}: {}", seen.verdict.why_not());
@@ -68,7 +78,7 @@ fn fg_req_080_every_base_stops_for_a_person() {
 }
 
 #[test]
-fn fg_req_081_every_base_knows_its_bends() {
+fn every_base_knows_its_bends() {
     for base in BASES {
         let seen = play(base, BENDS, 20);
         assert!(seen.verdict.passed, "{base}: {}", seen.verdict.why_not());
@@ -79,4 +89,33 @@ fn fg_req_081_every_base_knows_its_bends() {
         let off_m = (end.x_m - 7.0).hypot(end.y_m);
         assert!(off_m < 0.6 && (1.0..2.2).contains(&aside_m), "{base}: {end:?}, {aside_m} m aside");
     }
+}
+
+/// A program outside asks a car for a curve of 0.3 m: it gets the tightest that 40° allow, 0.8 m / tan 40°, and drives it.
+#[test]
+fn fg_req_083_tight_curve_becomes_drivable() {
+    let hall = BENDS.replace("[[3.0, 1.6], [7.0, 0.0]]", "[]");
+    let mut plan = plan("ackermann", &hall, 9);
+    plan.command = Some(CommandConfiguration::on_port("127.0.0.1:7000".parse().unwrap()));
+    let first = SentVelocity {
+        sender: 7,
+        sequence: 1,
+        sent_ms: 0,
+        deadline_ms: 150,
+        linear_mps: 0.3,
+        angular_radps: 1.0,
+    };
+    let stretch = Stretch { span_us: (SECOND_US, 9 * SECOND_US), period_us: 50_000, first };
+    let program = OutsideProgram::new(stretch.frames(1));
+    plan.outside = Some(program.clone());
+    let seen = watch(plan);
+    assert!(seen.verdict.passed, "{}", seen.verdict.why_not());
+    let permitted = program.heard().last().expect("permits").permit.permitted;
+    let tightest_m = 0.8 / 40.0_f32.to_radians().tan();
+    assert!(permitted[0] > 0.1 && (permitted[0] / permitted[1] - tightest_m).abs() < 0.01, "{permitted:?}");
+    // The middle of the rear axle goes round a circle of that radius, beside the start.
+    let places = seen.robot_path.iter().skip(seen.robot_path.len() / 2);
+    let off_m = places.map(|pose| (pose.x_m.hypot(pose.y_m - tightest_m) - tightest_m).abs());
+    let worst_m = off_m.fold(0.0_f32, f32::max);
+    assert!(worst_m < 0.15, "{worst_m}");
 }

@@ -74,7 +74,7 @@ impl Stopping {
     #[must_use]
     pub fn from(outline: &[Point2], twist: Twist2, (drive, reaction_s): (&DriveLimits, f32)) -> Self {
         let fastest_mps = fastest_mps(outline, twist);
-        // The fastest of the driven wheels is what brakes: the one in the middle, or the outer one of two.
+        // The fastest of the driven wheels is what brakes: the one in the middle, or the outer one of two (FG-REQ-081).
         let middle_mps = Point2::new(twist.linear_mps, twist.angular_radps * drive.wheelbase_m).norm();
         let outer_mps = twist.linear_mps.abs() + twist.angular_radps.abs() * drive.wheel_lever_m;
         let wheel_mps = middle_mps.max(outer_mps);
