@@ -37,6 +37,7 @@ pub mod scip;
 pub mod three_wheel_base;
 pub mod velocity_link;
 pub mod velodyne;
+pub mod wheel_drives;
 pub mod xsens;
 
 #[cfg(test)]

@@ -111,7 +111,7 @@ impl BaseConfiguration {
     }
 
     /// The image is mapped by the controller's own project.
-    pub(super) fn inputs_script() -> Script {
+    pub(crate) fn inputs_script() -> Script {
         Script::new().write(0x1017, 0, HEARTBEAT_MS, 2)
     }
 }

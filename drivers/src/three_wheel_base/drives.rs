@@ -58,18 +58,24 @@ impl DriveCommand {
 
 /// One drive as it reports itself.
 #[derive(Clone, Copy, Debug, Default)]
-struct Report {
-    state: Option<PowerState>,
-    value: i32,
-    operated: bool,
+pub(crate) struct Report {
+    /// Of the last statusword; none before the first and after one without meaning.
+    pub state: Option<PowerState>,
+    /// What it measures, in its own unit.
+    pub value: i32,
+    /// It operated as commanded.
+    pub operated: bool,
     /// Of the last emergency message; 0 when none is pending.
-    emergency: u16,
-    left_operation: bool,
-    fresh: bool,
+    pub emergency: u16,
+    /// It left operation by itself, until the operator resets.
+    pub left_operation: bool,
+    /// Newer than what was last given on.
+    pub fresh: bool,
 }
 
 impl Report {
-    fn take(&mut self, payload: &[u8], goal: DriveGoal) -> bool {
+    /// Statusword and value; `false`: too short, or without meaning.
+    pub fn take(&mut self, payload: &[u8], goal: DriveGoal) -> bool {
         let &[low, high, a, b, c, d, ..] = payload else { return false };
         self.value = i32::from_le_bytes([a, b, c, d]);
         let was_fault = self.state.is_some_and(PowerState::is_fault);
@@ -86,7 +92,8 @@ impl Report {
         true
     }
 
-    fn drive_state(&self) -> DriveState {
+    /// What it comes to for the guard.
+    pub fn drive_state(&self) -> DriveState {
         match self.state {
             None | Some(PowerState::NotReady) => DriveState::Unknown,
             Some(state) if state.is_fault() => {
@@ -118,7 +125,7 @@ pub(super) enum Axis {
 }
 
 /// Polls of a fault reset: three without the bit, then three with it.
-const RESET_STEPS: u8 = 6;
+pub(crate) const RESET_STEPS: u8 = 6;
 
 impl Drives {
     /// A process data object of a drive. The report is complete with the second one.
@@ -250,13 +257,14 @@ impl Drives {
     }
 }
 
-fn process_data(node: u8, word: u16, target: i32) -> CanFrame {
+/// The first process data object to a drive: controlword and target.
+pub(crate) fn process_data(node: u8, word: u16, target: i32) -> CanFrame {
     let ([low, high], [a, b, c, d]) = (word.to_le_bytes(), target.to_le_bytes());
     CanFrame::standard(0x200 | u16::from(node & 0x7F), &[low, high, a, b, c, d])
 }
 
 /// The worse of two states: a fault hides everything, then the unknown.
-const fn worse(a: DriveState, b: DriveState) -> DriveState {
+pub(crate) const fn worse(a: DriveState, b: DriveState) -> DriveState {
     match (a, b) {
         (DriveState::Fault(code), _) | (_, DriveState::Fault(code)) => DriveState::Fault(code),
         (DriveState::Unknown, _) | (_, DriveState::Unknown) => DriveState::Unknown,

@@ -21,7 +21,7 @@ const POLL_S: f32 = 0.01;
 
 /// Watches one drive.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FollowingErrorMonitor {
+pub(crate) struct FollowingErrorMonitor {
     /// What the wheel may still do, m/s.
     allowed_mps: f32,
     /// The order that was last tightened.

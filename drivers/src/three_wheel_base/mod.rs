@@ -2,9 +2,9 @@
 
 mod base;
 mod configuration;
-mod drives;
+pub(crate) mod drives;
 mod encoders;
-mod following_error;
+pub(crate) mod following_error;
 
 pub use base::{BaseCounters, BaseEvent, ThreeWheelBase};
 pub use configuration::BaseConfiguration;

@@ -41,7 +41,7 @@ impl TurningMotor {
         self.angle_rad += rpm / 60.0 / GEAR * std::f64::consts::TAU * f64::from(step_s);
         let counts = (self.angle_rad / std::f64::consts::TAU * GEAR * COUNTS).round() as i32;
         self.drive.node.objects.set(0x6064, 0, counts as u32);
-        let measured = MeasuredMotion { speed_mps: (rpm * 1.0e-3) as f32, angle_rad: 0.0 };
+        let measured = MeasuredMotion { speed_mps: (rpm * 1.0e-3) as f32, angle_rad: 0.0, counts: 0 };
         self.drive.tick(now_us, step_s, measured, out);
     }
 }

@@ -11,6 +11,8 @@ use super::{CanFrame, Node};
 pub enum DriveKind {
     /// The powered front wheel.
     Traction,
+    /// One of several powered wheels; 6064h is the count of its own encoder.
+    Wheel,
     /// The angle of the front wheel.
     Steering,
 }
@@ -52,6 +54,8 @@ pub struct MeasuredMotion {
     pub speed_mps: f32,
     /// Of the steered wheel, counter-clockwise, radians.
     pub angle_rad: f32,
+    /// Of the wheel's encoder.
+    pub counts: i64,
 }
 
 /// A drive on the bus.
@@ -138,18 +142,26 @@ impl Drive {
     pub fn tick(&mut self, now_us: u64, step_s: f32, measured: MeasuredMotion, out: &mut Vec<CanFrame>) {
         self.watch_master(out);
         self.ramp(step_s);
-        let MeasuredMotion { speed_mps, angle_rad } = measured;
+        let MeasuredMotion { speed_mps, angle_rad, .. } = measured;
         self.standing = speed_mps.abs() < 0.005;
         self.node.objects.set(0x606C, 0, ((speed_mps * 1.0e3).round() as i32) as u32);
         if self.kind == DriveKind::Steering {
             let mdeg = (angle_rad.to_degrees() * 1.0e3).round() as i32;
             self.node.objects.set(0x6064, 0, mdeg as u32);
         }
+        self.place(measured.counts);
         if self.state == DriveState::QuickStop && self.standing && self.node.objects.get(0x605A, 0) <= 4 {
             self.enter(DriveState::SwitchOnDisabled);
         }
         self.publish_status();
         self.node.tick(now_us, out);
+    }
+
+    /// Where the wheel is at this moment: a drive latches its position by SYNC.
+    pub fn place(&mut self, counts: i64) {
+        if self.kind == DriveKind::Wheel {
+            self.node.objects.set(0x6064, 0, counts as u32);
+        }
     }
 
     fn watch_master(&mut self, out: &mut Vec<CanFrame>) {
@@ -254,7 +266,7 @@ mod tests {
     }
 
     fn moving_at(speed_mps: f32) -> MeasuredMotion {
-        MeasuredMotion { speed_mps, angle_rad: 0.0 }
+        MeasuredMotion { speed_mps, angle_rad: 0.0, counts: 0 }
     }
 
     #[test]

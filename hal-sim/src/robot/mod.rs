@@ -1,11 +1,12 @@
-//! The three-wheeled robot: parameters and physics.
+//! The robot, on whatever wheels: parameters and physics.
 
 mod brush_deck;
 mod parameters;
 mod physics;
+mod rolling;
 mod velocity_base;
 
 pub use brush_deck::{BrushDeck, BrushPass};
-pub use parameters::{BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount};
+pub use parameters::{BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train};
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

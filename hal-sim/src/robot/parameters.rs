@@ -28,6 +28,9 @@ pub struct NodeIds {
     pub left_encoder: u8,
     /// Encoder of the right rear wheel.
     pub right_encoder: u8,
+    /// Drives of the wheels of a base without a steered one: left and right, or front left, front right, rear left, rear right; 0
+    /// where there is none.
+    pub wheels: [u8; 4],
     /// Gateway of the safety controller.
     pub gateway: u8,
     /// Dirt sensor.
@@ -65,6 +68,20 @@ pub enum ScannerDevice {
     MicroScan3(u16),
 }
 
+/// What the body rolls on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Train {
+    /// A front wheel that drives and steers; two free rear wheels with encoders.
+    #[default]
+    FrontWheel,
+    /// Two driven wheels on one axle, and castors.
+    TwoWheels,
+    /// A driven rear axle with encoders at both wheels, and front wheels that are steered together.
+    RearAxle,
+    /// Four Mecanum wheels at the corners of a rectangle.
+    FourMecanum,
+}
+
 /// Everything that is fixed about the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotParameters {
@@ -78,7 +95,9 @@ pub struct RobotParameters {
     pub bumpers: [BodyPrism; 2],
     /// Where the floor is felt for in front and at the rear, robot frame, metres.
     pub floor_switches_m: [[[f32; 2]; 2]; 2],
-    /// Rear axle to front wheel, metres.
+    /// What it rolls on.
+    pub train: Train,
+    /// Rear axle to front wheel or front axle, metres.
     pub wheelbase_m: f32,
     /// Between the rear wheels, metres.
     pub track_m: f32,
@@ -136,6 +155,7 @@ impl Default for RobotParameters {
                 prism("rear bumper", [-0.455, -0.40], 0.40, [0.04, 0.40]),
             ],
             floor_switches_m: [[[0.93, 0.30], [0.93, -0.30]], [[-0.43, 0.30], [-0.43, -0.30]]],
+            train: Train::FrontWheel,
             wheelbase_m: 0.80,
             track_m: 0.60,
             ticks_per_m: 20_000.0,
@@ -153,6 +173,7 @@ impl Default for RobotParameters {
             nodes: NodeIds {
                 traction: 1,
                 steering: 2,
+                wheels: [0; 4],
                 left_encoder: 3,
                 right_encoder: 4,
                 gateway: 5,

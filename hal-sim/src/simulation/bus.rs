@@ -1,16 +1,45 @@
 //! Everything on the CAN bus and how it moves the robot.
 
 use crate::can::{CanFrame, Drive, DriveKind, Encoder, Gateway, MeasuredMotion, SafetyChannels};
-use crate::robot::{BrakeLaw, NodeIds, RobotBody};
+use crate::robot::{BrakeLaw, NodeIds, RobotBody, Train};
+
+/// What moves the robot.
+#[derive(Clone, Debug)]
+enum Drives {
+    /// One drive of the front wheel or of the rear axle, one that steers, encoders on the rear wheels.
+    Steered { traction: Box<Drive>, steering: Box<Drive>, encoders: [Encoder; 2] },
+    /// A drive on each wheel, with an encoder of its own.
+    Wheels(Vec<Drive>),
+}
+
+impl Drives {
+    fn new(nodes: NodeIds, train: Train) -> Self {
+        match train {
+            Train::FrontWheel | Train::RearAxle => Self::Steered {
+                traction: Box::new(Drive::new(nodes.traction, DriveKind::Traction)),
+                steering: Box::new(Drive::new(nodes.steering, DriveKind::Steering)),
+                encoders: [Encoder::new(nodes.left_encoder), Encoder::new(nodes.right_encoder)],
+            },
+            Train::TwoWheels | Train::FourMecanum => {
+                let fitted = nodes.wheels.into_iter().take_while(|node| *node != 0);
+                Self::Wheels(fitted.map(|node| Drive::new(node, DriveKind::Wheel)).collect())
+            }
+        }
+    }
+
+    /// The drive of the front wheel, or those of all wheels.
+    fn traction(&mut self) -> &mut [Drive] {
+        match self {
+            Self::Steered { traction, .. } => std::slice::from_mut(&mut **traction),
+            Self::Wheels(drives) => drives,
+        }
+    }
+}
 
 /// The devices on the bus.
 #[derive(Clone, Debug)]
 pub struct Bus {
-    /// Front wheel.
-    pub traction: Drive,
-    /// Front wheel's angle.
-    pub steering: Drive,
-    encoders: [Encoder; 2],
+    drives: Drives,
     gateway: Gateway,
     /// What the switches do.
     pub channels: SafetyChannels,
@@ -21,11 +50,9 @@ pub struct Bus {
 impl Bus {
     /// All devices just powered.
     #[must_use]
-    pub fn new(nodes: NodeIds) -> Self {
+    pub fn new(nodes: NodeIds, train: Train) -> Self {
         Self {
-            traction: Drive::new(nodes.traction, DriveKind::Traction),
-            steering: Drive::new(nodes.steering, DriveKind::Steering),
-            encoders: [Encoder::new(nodes.left_encoder), Encoder::new(nodes.right_encoder)],
+            drives: Drives::new(nodes, train),
             gateway: Gateway::new(nodes.gateway),
             channels: SafetyChannels::default(),
             free_us: 0,
@@ -41,11 +68,33 @@ impl Bus {
     /// How the robot's body is held.
     #[must_use]
     pub fn brake_law(&self) -> BrakeLaw {
-        if self.traction.powered() && !self.power_cut() {
-            BrakeLaw::Driven(self.traction.demand_mps())
-        } else {
-            BrakeLaw::Braked
+        match &self.drives {
+            _ if self.power_cut() => BrakeLaw::Braked,
+            Drives::Steered { traction, .. } if traction.powered() => BrakeLaw::Driven(traction.demand_mps()),
+            Drives::Steered { .. } => BrakeLaw::Braked,
+            Drives::Wheels(drives) => {
+                // A wheel that is not there stands.
+                let mut wheels = [Some(0.0); 4];
+                for (wheel, drive) in wheels.iter_mut().zip(drives) {
+                    *wheel = drive.powered().then(|| drive.demand_mps());
+                }
+                BrakeLaw::Wheels(wheels)
+            }
         }
+    }
+
+    /// Angle commanded to the steering, radians; `None` while it does not move.
+    #[must_use]
+    pub fn steering_target_rad(&self) -> Option<f32> {
+        match &self.drives {
+            Drives::Steered { steering, .. } => steering.target_rad(),
+            Drives::Wheels(_) => None,
+        }
+    }
+
+    /// An internal fault of the traction drive, or of the first wheel's.
+    pub fn fail_traction(&mut self, code: u16, out: &mut Vec<CanFrame>) {
+        self.drives.traction().iter_mut().take(1).for_each(|drive| drive.fail(code, out));
     }
 
     /// A frame from the robot's computer reaches every device; `counts` are exact for this moment.
@@ -62,33 +111,55 @@ impl Bus {
             self.measure(now_us, body, ahead_s, &mut unsent);
             out.append(&mut unsent);
         }
-        self.traction.receive(frame, now_us, &mut out);
-        self.steering.receive(frame, now_us, &mut out);
-        for encoder in &mut self.encoders {
-            encoder.receive(frame, now_us, &mut out);
+        self.drives.traction().iter_mut().for_each(|drive| drive.receive(frame, now_us, &mut out));
+        if let Drives::Steered { steering, encoders, .. } = &mut self.drives {
+            steering.receive(frame, now_us, &mut out);
+            for encoder in encoders {
+                encoder.receive(frame, now_us, &mut out);
+            }
         }
         self.gateway.receive(frame, now_us, &mut out);
         out
     }
 
     fn measure(&mut self, now_us: u64, body: &RobotBody, ahead_s: f32, out: &mut Vec<CanFrame>) {
-        let counts = body.counts(ahead_s);
-        let speeds = body.wheel_speeds();
-        for side in 0..2 {
-            let counts_per_s = speeds[side] * body.ticks_per_m();
-            self.encoders[side].tick(now_us, counts[side], counts_per_s, out);
+        let counts = body.wheel_counts(ahead_s);
+        match &mut self.drives {
+            Drives::Steered { encoders, .. } => {
+                let speeds = body.wheel_speeds();
+                for side in 0..2 {
+                    let counts_per_s = speeds[side] * body.ticks_per_m();
+                    encoders[side].tick(now_us, counts[side], counts_per_s, out);
+                }
+            }
+            Drives::Wheels(drives) => {
+                drives.iter_mut().zip(counts).for_each(|(drive, counts)| drive.place(counts));
+            }
         }
     }
 
     /// One step of all devices.
     pub fn tick(&mut self, now_us: u64, step_s: f32, body: &RobotBody) -> Vec<CanFrame> {
         let mut out = Vec::new();
-        if self.power_cut() && self.traction.powered() {
-            self.traction.fail(0x5441, &mut out);
+        if self.power_cut() {
+            let powered = self.drives.traction().iter_mut().filter(|drive| drive.powered());
+            powered.for_each(|drive| drive.fail(0x5441, &mut out));
         }
-        let measured = MeasuredMotion { speed_mps: body.front_mps(), angle_rad: body.steering_rad() };
-        self.traction.tick(now_us, step_s, measured, &mut out);
-        self.steering.tick(now_us, step_s, MeasuredMotion { speed_mps: 0.0, ..measured }, &mut out);
+        match &mut self.drives {
+            Drives::Steered { traction, steering, .. } => {
+                let angle_rad = body.steering_rad();
+                let measured = MeasuredMotion { speed_mps: body.front_mps(), angle_rad, counts: 0 };
+                traction.tick(now_us, step_s, measured, &mut out);
+                steering.tick(now_us, step_s, MeasuredMotion { speed_mps: 0.0, ..measured }, &mut out);
+            }
+            Drives::Wheels(drives) => {
+                let wheels = drives.iter_mut().zip(body.rims_mps()).zip(body.wheel_counts(0.0));
+                for ((drive, speed_mps), counts) in wheels {
+                    let measured = MeasuredMotion { speed_mps, angle_rad: 0.0, counts };
+                    drive.tick(now_us, step_s, measured, &mut out);
+                }
+            }
+        }
         self.measure(now_us, body, 0.0, &mut out);
         self.gateway.tick(now_us, self.channels, &mut out);
         out

@@ -15,7 +15,7 @@ use crate::can::{CanFrame, SafetyChannels};
 use crate::dirt::DirtyFloor;
 use crate::floor::PictureMoment;
 use crate::people::{Crowd, RobotShape};
-use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
+use crate::robot::{BrakeLaw, RobotBody, RobotParameters, Train};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
 use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, LidarSensor, Motion, Scanner, ScannerState, View};
@@ -29,6 +29,13 @@ const POSITION_US: u64 = 18_579;
 const ETHERNET_US: u64 = 120;
 /// Bytes of ten bits at 115,200 baud.
 const IMU_BYTE_US: u64 = 87;
+
+/// What moves the robot in place of its drives.
+#[derive(Clone, Copy, Debug)]
+struct Towed {
+    law: BrakeLaw,
+    steering_rad: Option<f32>,
+}
 
 /// A world that runs.
 pub struct Simulation {
@@ -45,7 +52,7 @@ pub struct Simulation {
     dirt: Option<DirtyWorld>,
     touch: Touch,
     turn_radps2: f32,
-    towed: Option<(f32, f32)>,
+    towed: Option<Towed>,
     pub(super) now_us: u64,
     next_step_us: u64,
     step_us: u64,
@@ -82,7 +89,7 @@ impl Simulation {
             scene,
             crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
-            bus: Bus::new(parameters.nodes),
+            bus: Bus::new(parameters.nodes, parameters.train),
             lidar: LidarSensor::of(parameters.lidar_device, seed),
             scanner: Scanner::of(parameters.scanner_device, seed),
             rear_scanner: parameters.rear_scanner.map(|_| Scanner::at_rear(seed)),
@@ -191,11 +198,9 @@ impl Simulation {
         let now_us = self.next_step_us;
         let step_s = STEP_US as f32 * 1.0e-6;
         if now_us > 0 {
-            let driven = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
+            let driven = if self.bus.power_cut() { None } else { self.bus.steering_target_rad() };
             let (law, steering) = match self.towed {
-                Some((rim_mps, steering_rad)) if !self.bus.power_cut() => {
-                    (BrakeLaw::Driven(rim_mps), Some(steering_rad))
-                }
+                Some(towed) if !self.bus.power_cut() => (towed.law, towed.steering_rad),
                 _ => (self.bus.brake_law(), driven),
             };
             let turn_before = self.body.twist().angular_radps;
@@ -280,16 +285,23 @@ impl Simulation {
     /// Moves the robot past its drives, for experiments that only need moving sensors: rim speed of the front wheel
     /// (m/s) and steering angle (radians, counter-clockwise).
     pub const fn tow(&mut self, rim_mps: f32, steering_rad: f32) {
-        self.towed = Some((rim_mps, steering_rad));
+        self.towed = Some(Towed { law: BrakeLaw::Driven(rim_mps), steering_rad: Some(steering_rad) });
     }
 
-    /// The same by a velocity of the middle of the rear axle: how a base drives that takes velocities. Its body turns as the
-    /// three-wheeled one does, whose wheel must be turned first.
+    /// The same by a velocity of the base point: how a base drives that takes velocities, on its own wheels. A front wheel, and the
+    /// front wheels of a car, must be turned first.
     pub fn tow_at(&mut self, velocity: Twist2) {
         let across_mps = velocity.angular_radps * self.parameters.wheelbase_m;
         let sign = if velocity.linear_mps < 0.0 { -1.0 } else { 1.0 };
         let steering_rad = libm::atan2f(sign * across_mps, sign * velocity.linear_mps);
-        self.tow(sign * libm::hypotf(velocity.linear_mps, across_mps), steering_rad);
+        match self.parameters.train {
+            Train::FrontWheel => self.tow(sign * libm::hypotf(velocity.linear_mps, across_mps), steering_rad),
+            Train::RearAxle => self.tow(velocity.linear_mps, steering_rad),
+            Train::TwoWheels | Train::FourMecanum => {
+                let law = BrakeLaw::Wheels(self.body.rims_for(velocity).map(Some));
+                self.towed = Some(Towed { law, steering_rad: None });
+            }
+        }
     }
 
     /// Presses or releases the emergency stop, both channels.
@@ -305,7 +317,7 @@ impl Simulation {
     /// An internal fault of the traction drive, with an EMCY code.
     pub fn fail_traction(&mut self, code: u16) {
         let mut out = Vec::new();
-        self.bus.traction.fail(code, &mut out);
+        self.bus.fail_traction(code, &mut out);
         for frame in out {
             self.push_frame(self.now_us, frame);
         }

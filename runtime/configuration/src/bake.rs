@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use floorguard_drivers::flexisoft::InputBits;
 use floorguard_guard::{Action, Thresholds};
-use floorguard_runtime::configuration::{FieldPair, Mounting, RobotConfiguration};
+use floorguard_runtime::configuration::{DriveTrain, FieldPair, Mounting, RobotConfiguration};
 use floorguard_types::geometry::Point2;
 
 /// A function `robot()` that gives the same configuration. Numbers are written with all their digits.
@@ -21,17 +21,19 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     line(
         "geometry",
         format!(
-            "Geometry {{ footprint: {}, wheelbase_m: {:?}, track_m: {:?}, ticks_per_m: {:?} }}",
+            "Geometry {{ footprint: {}, wheelbase_m: {:?}, track_m: {:?}, ticks_per_m: {:?}, wheel_lever_m: {:?} }}",
             points(&geometry.footprint),
             geometry.wheelbase_m,
             geometry.track_m,
-            geometry.ticks_per_m
+            geometry.ticks_per_m,
+            geometry.wheel_lever_m
         ),
     );
     // These print as valid Rust by themselves: structures of numbers and plain variants.
     line("limits", format!("{:?}", robot.limits));
     line("deadlines", format!("{:?}", robot.deadlines));
     line("base", format!("BaseKind::{:?}", robot.base));
+    line("train", train(robot).to_owned());
     line("has_lidar", robot.has_lidar.to_string());
     line(
         "lidar",
@@ -79,6 +81,14 @@ fn rear_scanner(robot: &RobotConfiguration) -> &'static str {
     }
 }
 
+/// The tasks of a board are those of a tricycle.
+fn train(robot: &RobotConfiguration) -> &'static str {
+    match robot.train {
+        DriveTrain::Tricycle => "DriveTrain::Tricycle",
+        _ => "compile_error!(\"[base]: a microcontroller drives a tricycle; every other base needs a Linux computer\")",
+    }
+}
+
 fn points(points: &[Point2]) -> String {
     let corners: Vec<String> =
         points.iter().map(|point| format!("Point2::new({:?}, {:?})", point.x_m, point.y_m)).collect();
@@ -105,9 +115,10 @@ fn can(robot: &RobotConfiguration) -> String {
     let fitted =
         |input: Option<InputBits>| input.map_or("None".to_owned(), |input| format!("Some({})", bits(input)));
     format!(
-        "CanConfiguration {{ drive_node: {}, steering_node: {}, left_encoder_node: {}, right_encoder_node: {}, \
+        "CanConfiguration {{ wheel_nodes: {:?}, drive_node: {}, steering_node: {}, left_encoder_node: {}, right_encoder_node: {}, \
          inputs_node: {}, dirt_sensor_node: {:?}, inputs: InputMap {{ emergency_stop: {}, bumper_front: {}, bumper_rear: {}, cliff_front: {}, \
          cliff_rear: {}, discrepancy_us: {} }}, buttons: {:?} }}",
+        can.wheel_nodes,
         can.drive_node,
         can.steering_node,
         can.left_encoder_node,

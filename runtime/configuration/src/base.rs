@@ -1,11 +1,15 @@
-//! A base that takes velocities, instead of the drives on a CAN bus (book, Velocity link).
+//! The base: how its wheels move it (book, Odometry: Bases), and whether it takes velocities (book, Velocity link) or has its drives on
+//! a CAN bus.
 
 use std::net::SocketAddr;
+use std::ops::RangeInclusive;
 
-use floorguard_runtime::configuration::CanConfiguration;
+use floorguard_runtime::configuration::{BaseKind, CanConfiguration, DriveTrain, Geometry};
+use floorguard_types::units::radians;
 
 use super::address::{BaseAddress, CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
 use super::devices::{read_can, read_inputs};
+use super::fields::read_polygon;
 use super::reader::Reader;
 
 /// Sections that only a base on a CAN bus has.
@@ -42,22 +46,121 @@ impl Drives {
     }
 }
 
-/// Either `[base]`, or `[can]` with `[inputs]`.
-pub(super) fn read_drives(top: &Reader<'_>) -> Option<Drives> {
-    if let Some(section) = top.optional_section("base") {
+/// What `[base]` says: the wheels, and whether a controller of its own drives them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BaseSection {
+    /// Who drives the wheels.
+    pub by: BaseKind,
+    /// What `kind` names; none where a controller that takes velocities does not say.
+    pub wheels: Option<Wheels>,
+    /// Of the front wheels of a car, radians.
+    steering_max_rad: f32,
+    /// Of the controller; `None`: wrong.
+    address: Option<BaseAddress>,
+}
+
+/// How the robot's wheels move it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wheels {
+    Tricycle,
+    Differential,
+    Ackermann,
+    Omnidirectional,
+}
+
+impl Wheels {
+    /// As `kind` names them.
+    const NAMES: [(&'static str, Self); 4] = [
+        ("tricycle", Self::Tricycle),
+        ("differential", Self::Differential),
+        ("ackermann", Self::Ackermann),
+        ("omnidirectional", Self::Omnidirectional),
+    ];
+}
+
+impl BaseSection {
+    /// Without the section: a tricycle on a CAN bus.
+    pub fn read(top: &Reader<'_>) -> Self {
+        let Some(section) = top.optional_section("base") else {
+            return Self { wheels: Some(Wheels::Tricycle), ..Self::default() };
+        };
+        let takes_velocities = section.find("source").is_some();
+        let wheels = if takes_velocities && section.find("kind").is_none() {
+            None
+        } else {
+            section.choice("kind", &Wheels::NAMES)
+        };
+        let steering_max_rad = match wheels {
+            Some(Wheels::Ackermann) => radians(section.number("steering_max_deg", 5.0..=70.0)),
+            _ => 0.0,
+        };
+        if !takes_velocities {
+            section.finish();
+            return Self { by: BaseKind::CanBus, wheels, steering_max_rad, address: None };
+        }
         for other in OF_THE_BUS.into_iter().filter(|other| top.find(other).is_some()) {
             section.refuse(
                 section.span(),
                 format!("[base] takes velocities, and [{other}] is of drives on a CAN bus"),
-                format!("remove [{other}], or [base]"),
+                format!("remove [{other}], or `source` of [base]"),
             );
         }
-        return read_base(section).map(Drives::Velocity);
+        Self { by: BaseKind::Velocity, wheels, steering_max_rad, address: read_base(section) }
     }
-    let (can, inputs) = (read_can(top.section("can")), read_inputs(top.section("inputs")));
-    let (can, address) = can?;
-    let (inputs, buttons) = inputs?;
-    Some(Drives::Bus(CanConfiguration { inputs, buttons, ..can }, address))
+
+    /// Outline and wheels.
+    pub fn read_geometry(&self, section: Reader<'_>) -> Option<(Geometry, DriveTrain)> {
+        let footprint = read_polygon(&section, "footprint_m");
+        // A base that takes velocities measures them itself, and turns its farthest corner as fast as a wheel there would.
+        let farthest_m = footprint.iter().flatten().fold(0.2_f32, |most_m, corner| most_m.max(corner.norm()));
+        let number = |key: &'static str, range: RangeInclusive<f32>, without: f32| match self.by {
+            BaseKind::CanBus => section.number(key, range),
+            BaseKind::Velocity => section.number_or(key, range, without),
+        };
+        let ticks_per_m = || number("ticks_per_m", 100.0..=1.0e6, 1.0e4);
+        let between_axles_m = || section.number("wheelbase_m", 0.2..=3.0);
+        let track_m = || section.number("track_m", 0.2..=2.0);
+        let (wheelbase_m, track_m, ticks_per_m, wheel_lever_m, train) = match self.wheels {
+            None | Some(Wheels::Tricycle) => {
+                let wheelbase_m = number("wheelbase_m", 0.2..=3.0, farthest_m.min(3.0));
+                let track_m = number("track_m", 0.2..=2.0, 0.5);
+                (wheelbase_m, track_m, ticks_per_m(), 0.0, DriveTrain::Tricycle)
+            }
+            Some(Wheels::Differential) => {
+                let track_m = track_m();
+                (0.5 * track_m, track_m, ticks_per_m(), 0.5 * track_m, DriveTrain::Differential)
+            }
+            Some(Wheels::Ackermann) => {
+                let (wheelbase_m, track_m) = (between_axles_m(), track_m());
+                let train = DriveTrain::Ackermann { steering_max_rad: self.steering_max_rad };
+                (wheelbase_m, track_m, ticks_per_m(), 0.5 * track_m, train)
+            }
+            Some(Wheels::Omnidirectional) => {
+                let (wheelbase_m, track_m) = (between_axles_m(), track_m());
+                // It turns as a differential base of this track does, and both wheels of a side are counted together.
+                let alike_m = wheelbase_m + track_m;
+                let train = DriveTrain::Omnidirectional { wheelbase_m, track_m };
+                (0.5 * alike_m, alike_m, 2.0 * ticks_per_m(), 0.5 * alike_m, train)
+            }
+        };
+        section.finish();
+        let footprint = footprint.unwrap_or_default();
+        let is_there = !footprint.is_empty();
+        let geometry = Geometry { footprint, wheelbase_m, track_m, ticks_per_m, wheel_lever_m };
+        is_there.then_some((geometry, train))
+    }
+
+    /// Where velocities go, or `[can]` with `[inputs]`.
+    pub fn read_drives(self, top: &Reader<'_>) -> Option<Drives> {
+        if self.by == BaseKind::Velocity {
+            return self.address.map(Drives::Velocity);
+        }
+        let can = read_can(top.section("can"), self.wheels.unwrap_or(Wheels::Tricycle));
+        let inputs = read_inputs(top.section("inputs"));
+        let (can, address) = can?;
+        let (inputs, buttons) = inputs?;
+        Some(Drives::Bus(CanConfiguration { inputs, buttons, ..can }, address))
+    }
 }
 
 fn read_base(section: Reader<'_>) -> Option<BaseAddress> {
@@ -104,7 +207,6 @@ mod tests {
     use super::*;
     use crate::{EXAMPLE, parse};
     use floorguard_guard::Source;
-    use floorguard_runtime::configuration::BaseKind;
 
     /// The example robot without bus, inputs, encoders and route.
     fn without_bus(section: &str) -> String {
@@ -139,6 +241,50 @@ mod tests {
             (without_bus(&port.replace("10.0.0.9:7101", "base")), "`controller` is \"base\""),
             (without_bus(""), "section `[can]` is missing"),
             (without_bus(&port.replace("7100", "2368")), "so is that of [lidar]"),
+        ] {
+            let refused = parse("robot.toml", &text).expect_err(words).to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
+        }
+    }
+
+    const NODES: &str =
+        "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
+
+    /// The example robot on other wheels, its drives on the bus.
+    fn on_wheels(base: &str, nodes: &str) -> String {
+        format!("{}\n[base]\n{base}\n", EXAMPLE.replace(NODES, nodes))
+    }
+
+    #[test]
+    fn wheels_give_lever_track_and_counts() {
+        let text = on_wheels("kind = \"differential\"", "left_drive_node = 7\nright_drive_node = 8\n")
+            .replace("wheelbase_m = 0.80\n", "");
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        assert_eq!((robot.train, robot.can.wheel_nodes), (DriveTrain::Differential, [7, 8, 0, 0]));
+        let drive = robot.guard().drive;
+        assert_eq!((drive.wheelbase_m, drive.wheel_lever_m), (0.3, 0.3));
+        let four = "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n";
+        let text = on_wheels("kind = \"omnidirectional\"", four);
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        // It turns as a differential base whose track is 0.8 + 0.6 m, and counts two wheels on each side.
+        assert_eq!((robot.geometry.track_m, robot.geometry.ticks_per_m), (1.4, 40_000.0));
+        assert_eq!(robot.guard().drive.wheel_lever_m, 0.7);
+        let text = on_wheels("kind = \"ackermann\"\nsteering_max_deg = 45.0", NODES);
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        assert!((robot.ackermann().curvature_max_per_m() - 1.25).abs() < 1.0e-5);
+        robot.guard().validate().unwrap();
+    }
+
+    #[test]
+    fn wheels_that_do_not_fit_are_refused() {
+        let pair = "left_drive_node = 1\nright_drive_node = 2\n";
+        for (text, words) in [
+            (on_wheels("kind = \"diferential\"", pair), "did you mean"),
+            (on_wheels("kind = \"differential\"", NODES), "`left_drive_node` is missing"),
+            (on_wheels("kind = \"differential\"", &pair.replace('2', "5")), "are not different"),
+            (on_wheels("kind = \"ackermann\"", NODES), "`steering_max_deg` is missing"),
+            (on_wheels("kind = \"differential\"", pair), "`wheelbase_m` is not a known key"),
+            (on_wheels("", NODES), "`kind` is missing"),
         ] {
             let refused = parse("robot.toml", &text).expect_err(words).to_string();
             assert!(refused.contains(words), "{words} is not in: {refused}");

@@ -11,6 +11,7 @@ use floorguard_types::units::radians;
 use super::address::{
     CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
 };
+use super::base::Wheels;
 use super::reader::Reader;
 
 mod distinct;
@@ -193,26 +194,43 @@ pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialA
     Some((ImuConfiguration { mounting }, source?))
 }
 
-pub(super) fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
+/// The devices of the base on the bus: which there are, the wheels say.
+pub(super) fn read_can(section: Reader<'_>, wheels: Wheels) -> Option<(CanConfiguration, CanAddress)> {
     let source = read_source(&section, "socketcan:can0", CanAddress::parse);
     let node = |key| section.integer(key, 1..=127) as u8;
+    let drives = match wheels {
+        Wheels::Tricycle | Wheels::Ackermann => CanConfiguration {
+            drive_node: node("drive_node"),
+            steering_node: node("steering_node"),
+            left_encoder_node: node("left_encoder_node"),
+            right_encoder_node: node("right_encoder_node"),
+            ..CanConfiguration::default()
+        },
+        Wheels::Differential => CanConfiguration {
+            wheel_nodes: [node("left_drive_node"), node("right_drive_node"), 0, 0],
+            ..CanConfiguration::default()
+        },
+        Wheels::Omnidirectional => CanConfiguration {
+            wheel_nodes: [
+                "front_left_drive_node",
+                "front_right_drive_node",
+                "rear_left_drive_node",
+                "rear_right_drive_node",
+            ]
+            .map(node),
+            ..CanConfiguration::default()
+        },
+    };
     let can = CanConfiguration {
-        drive_node: node("drive_node"),
-        steering_node: node("steering_node"),
-        left_encoder_node: node("left_encoder_node"),
-        right_encoder_node: node("right_encoder_node"),
         inputs_node: node("inputs_node"),
         dirt_sensor_node: section.integer_or_absent("dirt_sensor_node", 1..=127).map(|node| node as u8),
-        inputs: InputMap::default(),
-        buttons: OperatorButtons::default(),
+        ..drives
     };
-    let mut nodes = vec![
-        can.drive_node,
-        can.steering_node,
-        can.left_encoder_node,
-        can.right_encoder_node,
-        can.inputs_node,
-    ];
+    let CanConfiguration { drive_node, steering_node, left_encoder_node, right_encoder_node, .. } = can;
+    let mut nodes = vec![drive_node, steering_node, left_encoder_node, right_encoder_node];
+    nodes.extend(can.wheel_nodes);
+    nodes.retain(|node| *node != 0);
+    nodes.push(can.inputs_node);
     nodes.extend(can.dirt_sensor_node);
     let different: std::collections::BTreeSet<u8> = nodes.iter().copied().collect();
     if section.good_so_far() && different.len() < nodes.len() {

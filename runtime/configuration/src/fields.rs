@@ -86,7 +86,7 @@ fn zone_of(
     (geometry, limits): (&Geometry, &Limits),
     zone: Zone,
 ) -> Polygon {
-    let drive = limits.drive(geometry.wheelbase_m);
+    let drive = limits.drive(geometry);
     swept_outline(&geometry.footprint, &drive, (direction.travel(), speed_mps), zone)
 }
 

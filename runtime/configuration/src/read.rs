@@ -2,23 +2,22 @@
 //!
 //! Nothing starts half-configured: all mistakes are collected and any one refuses the whole file.
 
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use floorguard_guard::{Thresholds, UnseenLimits};
-use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
+use floorguard_runtime::configuration::{Deadlines, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::base::read_drives;
+use super::base::BaseSection;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
 use super::command::{CommandConfiguration, read_command};
 use super::coverage::{
     Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
 };
-use super::fields::{read_fields, read_polygon};
+use super::fields::read_fields;
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
@@ -154,14 +153,15 @@ pub fn parse_recorded(file: &str, text: &str) -> Result<RecordedConfiguration, R
 }
 
 fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
-    let base = if top.find("base").is_some() { BaseKind::Velocity } else { BaseKind::ThreeWheel };
-    let geometry = read_geometry(top.section("robot"), base);
+    let base = BaseSection::read(&top);
+    let by = base.by;
+    let (geometry, train) = base.read_geometry(top.section("robot")).unzip();
     let limits = read_limits(top.section("limits"));
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
     let sensors = Sensors::read(&top);
     let camera = top.optional_section("camera").map(read_camera);
     let (thresholds, accepted) = optional(&top, "guard", read_thresholds);
-    let drives = read_drives(&top);
+    let drives = base.read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
@@ -183,7 +183,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             geometry: geometry?,
             limits,
             deadlines,
-            base,
+            base: by,
+            train: train.unwrap_or_default(),
             has_lidar: lidar.is_some(),
             lidar: lidar.unwrap_or_default(),
             scanner,
@@ -217,24 +218,6 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
 /// What a section says, or what stands for it where it is missing.
 fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
     top.optional_section(name).map_or_else(T::default, read)
-}
-
-fn read_geometry(section: Reader<'_>, base: BaseKind) -> Option<Geometry> {
-    let footprint = read_polygon(&section, "footprint_m");
-    // A base that takes velocities measures them itself, and turns its farthest corner as fast as a wheel there would.
-    let farthest_m = footprint.iter().flatten().fold(0.2_f32, |most_m, corner| most_m.max(corner.norm()));
-    let number = |key: &'static str, range: RangeInclusive<f32>, without: f32| match base {
-        BaseKind::ThreeWheel => section.number(key, range),
-        BaseKind::Velocity => section.number_or(key, range, without),
-    };
-    let geometry = Geometry {
-        footprint: footprint.unwrap_or_default(),
-        wheelbase_m: number("wheelbase_m", 0.2..=3.0, farthest_m.min(3.0)),
-        track_m: number("track_m", 0.2..=2.0, 0.5),
-        ticks_per_m: number("ticks_per_m", 100.0..=1.0e6, 1.0e4),
-    };
-    section.finish();
-    (!geometry.footprint.is_empty()).then_some(geometry)
 }
 
 fn read_limits(section: Reader<'_>) -> Limits {

@@ -36,6 +36,24 @@ const BASES: [&str; 2] = [
     "[base]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 115200\n",
 ];
 
+/// Wheels other than the example's, with their part of `[can]` instead of its.
+const NODES: &str = "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
+const WHEELS: [(&str, &str); 3] = [
+    ("kind = \"differential\"\n", "left_drive_node = 1\nright_drive_node = 2\n"),
+    ("kind = \"ackermann\"\nsteering_max_deg = 35.0\n", NODES),
+    (
+        "kind = \"omnidirectional\"\n",
+        "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n",
+    ),
+];
+
+/// The example robot on other wheels.
+fn on_wheels((base, nodes): (&str, &str)) -> String {
+    let own = super::EXAMPLE.replace(NODES, nodes);
+    let own = if base.contains("differential") { own.replace("wheelbase_m = 0.80\n", "") } else { own };
+    [&own, "\n[base]\n", base].concat()
+}
+
 /// The example robot without what stands from one section up to another.
 fn without(from: &str, to: &str) -> String {
     let (before, rest) = super::EXAMPLE.split_once(from).unwrap_or((super::EXAMPLE, ""));
@@ -52,7 +70,8 @@ pub fn reference() -> String {
     let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();
     let others = others.into_iter().chain(rows_of(&[driven, COMMANDED].concat()));
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
-    let others = others.chain(based);
+    let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
+    let others = others.chain(based).chain(wheeled);
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
@@ -109,7 +128,10 @@ z up.
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
 holds the frames of a CAN bus. A base that does not report its motion cannot be driven: without it the guard does not know how
-much it needs to stop. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
+much it needs to stop. `kind` in `[base]` names the wheels ([Odometry: Bases](algorithms/odometry.md#bases)); without `source` their drives
+are on the CAN bus, and `[can]` names those that this base has: `drive_node`, `steering_node` and two encoders of a tricycle or a car
+(`steering_max_deg` is its alone), a drive on each wheel of a differential or omnidirectional base. Those have no `wheelbase_m` where they
+have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
 `[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
 the first sender that comes. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its

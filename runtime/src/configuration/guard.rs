@@ -4,14 +4,15 @@ use core::f32::consts::PI;
 
 use floorguard_drivers::three_wheel_base::BaseConfiguration;
 use floorguard_drivers::velodyne::Model;
+use floorguard_drivers::wheel_drives::WheelDrivesConfiguration;
 use floorguard_guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
-use floorguard_localisation::odometry::{Tricycle, WheelGeometry};
+use floorguard_localisation::odometry::{Ackermann, SideWheels, Tricycle, WheelGeometry};
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
-use super::robot::{BaseKind, Limits, RobotConfiguration};
+use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};
 use super::sources::{LidarModel, ScannerConfiguration};
 
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
@@ -27,14 +28,15 @@ const STEERING_MAX_RAD: f32 = 1.5;
 impl Limits {
     /// What the guard knows of the drive.
     #[must_use]
-    pub const fn drive(&self, wheelbase_m: f32) -> DriveLimits {
+    pub const fn drive(&self, geometry: &Geometry) -> DriveLimits {
         DriveLimits {
             speed_mps: self.speed_mps,
             turn_radps: self.turn_radps,
             acceleration_mps2: self.acceleration_mps2,
             braking_mps2: self.braking_mps2,
             response_s: self.response_s,
-            wheelbase_m,
+            wheelbase_m: geometry.wheelbase_m,
+            wheel_lever_m: geometry.wheel_lever_m,
         }
     }
 }
@@ -80,7 +82,7 @@ impl RobotConfiguration {
                 floor_clearance_m: FLOOR_CLEARANCE_M,
                 body_height_m: BODY_HEIGHT_M,
             },
-            drive: self.limits.drive(self.geometry.wheelbase_m),
+            drive: self.limits.drive(&self.geometry),
             thresholds: self.thresholds,
             unseen: self.unseen,
             sources: self.source_rules(),
@@ -113,6 +115,40 @@ impl RobotConfiguration {
             quick_stop_mps2: self.limits.braking_mps2 * RAMP_RESERVE,
             ..BaseConfiguration::default()
         }
+    }
+
+    /// The wheel drives on the CAN bus, of a base without a steered wheel.
+    #[must_use]
+    pub fn wheel_drives(&self) -> WheelDrivesConfiguration {
+        let ramp_mps2 = self.limits.braking_mps2 * RAMP_RESERVE;
+        WheelDrivesConfiguration {
+            wheel_nodes: self.can.wheel_nodes,
+            inputs_node: self.can.inputs_node,
+            dirt_sensor_node: self.can.dirt_sensor_node,
+            inputs: self.can.inputs,
+            acceleration_mps2: self.limits.acceleration_mps2 * RAMP_RESERVE,
+            deceleration_mps2: ramp_mps2,
+            track_m: self.geometry.track_m,
+            lever_m: self.geometry.wheelbase_m,
+            ..WheelDrivesConfiguration::default()
+        }
+    }
+
+    /// The kinematics of a base without a steered wheel.
+    #[must_use]
+    pub const fn side_wheels(&self) -> SideWheels {
+        SideWheels { track_m: self.geometry.track_m }
+    }
+
+    /// The kinematics of a base that steers as a car does.
+    #[must_use]
+    pub const fn ackermann(&self) -> Ackermann {
+        let Geometry { wheelbase_m, track_m, .. } = self.geometry;
+        let steering_max_rad = match self.train {
+            DriveTrain::Ackermann { steering_max_rad } => steering_max_rad,
+            _ => STEERING_MAX_RAD,
+        };
+        Ackermann { wheelbase_m, track_m, steering_max_rad }
     }
 
     /// The kinematics.
@@ -168,7 +204,7 @@ impl RobotConfiguration {
         let fitted = [
             (Source::Imu, self.imu.is_some()),
             (Source::Lidar, self.has_lidar),
-            (Source::Discrete, self.base == BaseKind::ThreeWheel),
+            (Source::Discrete, self.base == BaseKind::CanBus),
         ];
         for (source, is_fitted) in fitted {
             if let Some(rule) = rules.get_mut(source.index()) {

@@ -8,7 +8,7 @@ mod robot;
 mod sources;
 
 pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
-pub use robot::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
+pub use robot::{BaseKind, Deadlines, DriveTrain, Geometry, Limits, RobotConfiguration};
 pub use sources::{
     CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
     ScannerConfiguration, ScannerModel,

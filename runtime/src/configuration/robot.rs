@@ -13,12 +13,14 @@ use crate::mission::{Route, RouteLimits};
 pub struct Geometry {
     /// Outline, counter-clockwise, metres.
     pub footprint: Polygon,
-    /// Rear axle to the steered front wheel, metres.
+    /// Rear axle to the steered front wheel, metres; of a base without one, by what a turning rate is a speed.
     pub wheelbase_m: f32,
-    /// Distance between the two rear wheels, metres.
+    /// Distance between the two rear wheels, metres; of Mecanum wheels the distance of the differential base that turns alike.
     pub track_m: f32,
-    /// Ticks of a rear encoder per metre rolled.
+    /// Ticks of a measuring wheel per metre rolled; of two wheels on each side, of both together.
     pub ticks_per_m: f32,
+    /// How much faster the outer wheel is than the base point, metres per radian; 0 where one wheel in the middle brakes.
+    pub wheel_lever_m: f32,
 }
 
 /// What the robot may and can do.
@@ -64,12 +66,34 @@ impl Deadlines {
     };
 }
 
+/// How the wheels move the robot (book, Odometry: Bases).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DriveTrain {
+    /// A front wheel that drives and steers, two free rear wheels.
+    #[default]
+    Tricycle,
+    /// Two driven wheels on one axle.
+    Differential,
+    /// A driven rear axle, and front wheels that are steered as those of a car.
+    Ackermann {
+        /// To either side, radians.
+        steering_max_rad: f32,
+    },
+    /// Four Mecanum wheels. Sideways it is not driven.
+    Omnidirectional {
+        /// Between the axles, metres.
+        wheelbase_m: f32,
+        /// Between the wheels of an axle, metres.
+        track_m: f32,
+    },
+}
+
 /// What drives the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BaseKind {
-    /// Two drives, two encoders and a safety controller on a CAN bus.
+    /// Drives, encoders and a safety controller on a CAN bus.
     #[default]
-    ThreeWheel,
+    CanBus,
     /// A controller that takes velocities and measures its own.
     Velocity,
 }
@@ -85,6 +109,8 @@ pub struct RobotConfiguration {
     pub deadlines: Deadlines,
     /// What drives it; [`Self::can`] is of no use with [`BaseKind::Velocity`].
     pub base: BaseKind,
+    /// How its wheels move it.
+    pub train: DriveTrain,
     /// It has the three-dimensional lidar.
     pub has_lidar: bool,
     /// Three-dimensional lidar.

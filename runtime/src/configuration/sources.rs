@@ -119,6 +119,9 @@ pub struct ImuConfiguration {
 /// CANopen nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CanConfiguration {
+    /// The drives of the wheels (CiA 402) of a base without a steered wheel, 1…127: left and right, or front left, front right, rear
+    /// left and rear right; 0 where there is none.
+    pub wheel_nodes: [u8; 4],
     /// The traction drive (CiA 402), 1…127.
     pub drive_node: u8,
     /// The steering drive (CiA 402), 1…127.

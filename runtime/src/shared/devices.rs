@@ -2,12 +2,19 @@
 
 use core::fmt;
 
-use floorguard_drivers::canopen::{ConfigurationFailure, NodePhase};
+use floorguard_drivers::canopen::{ConfigurationFailure, NodeConfigurator, NodePhase};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::wheel_drives::WheelDrives;
 
+/// Devices on the bus of one base.
+const DEVICES_MAX: usize = 5;
 /// What the devices are, in the order of [`BusReport::devices`].
-const NAMES: [&str; 5] =
+const NAMES: [&str; DEVICES_MAX] =
     ["traction drive", "steering drive", "left encoder", "right encoder", "safety controller"];
+/// The same of a base with a drive on each wheel.
+const NAMES_OF_TWO: [&str; 3] = ["left drive", "right drive", "safety controller"];
+const NAMES_OF_FOUR: [&str; DEVICES_MAX] =
+    ["front left drive", "front right drive", "rear left drive", "rear right drive", "safety controller"];
 
 /// A device on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,25 +32,44 @@ pub struct DeviceReport {
 /// All devices on the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BusReport {
-    /// Traction, steering, left and right encoder, gateway of the safety controller.
-    pub devices: [DeviceReport; 5],
+    /// Drives, encoders, gateway of the safety controller; a base with fewer devices leaves the last places empty.
+    devices: [Option<DeviceReport>; DEVICES_MAX],
 }
 
 impl BusReport {
-    /// Of a base. A device that is being configured counts as at the first step, so that it does not report each step.
+    /// Of a base.
     #[must_use]
     pub fn of(base: &ThreeWheelBase) -> Self {
-        let mut names = NAMES.into_iter();
-        let devices = base.devices().map(|device| DeviceReport {
-            name: names.next().unwrap_or_default(),
-            node: device.node(),
-            phase: match device.phase() {
-                NodePhase::Configuring(_) | NodePhase::Starting => NodePhase::Configuring(0),
-                phase => phase,
-            },
-            failure: device.failure().filter(|_| device.phase() == NodePhase::Refused),
-        });
+        Self::named(&NAMES, base.devices().into_iter())
+    }
+
+    /// Of a base with a drive on each wheel.
+    #[must_use]
+    pub fn of_wheels(base: &WheelDrives) -> Self {
+        let names: &[&str] = if base.devices().count() > NAMES_OF_TWO.len() { &NAMES_OF_FOUR } else { &NAMES_OF_TWO };
+        Self::named(names, base.devices())
+    }
+
+    /// A device that is being configured counts as at the first step, so that it does not report each step.
+    fn named<'a>(names: &[&'static str], nodes: impl Iterator<Item = &'a NodeConfigurator>) -> Self {
+        let mut devices = [None; DEVICES_MAX];
+        for (slot, (name, device)) in devices.iter_mut().zip(names.iter().zip(nodes)) {
+            *slot = Some(DeviceReport {
+                name,
+                node: device.node(),
+                phase: match device.phase() {
+                    NodePhase::Configuring(_) | NodePhase::Starting => NodePhase::Configuring(0),
+                    phase => phase,
+                },
+                failure: device.failure().filter(|_| device.phase() == NodePhase::Refused),
+            });
+        }
         Self { devices }
+    }
+
+    /// Drives, encoders, gateway of the safety controller.
+    pub fn devices(&self) -> impl Iterator<Item = &DeviceReport> {
+        self.devices.iter().flatten()
     }
 }
 

@@ -33,7 +33,7 @@ impl Motion {
         Self {
             wheels: WheelOdometry::new(geometry),
             geometry,
-            filter: Odometry::new(OdometryNoise::DEFAULT),
+            filter: Odometry::new(OdometryNoise::for_track(geometry.track_m)),
             known: None,
         }
     }

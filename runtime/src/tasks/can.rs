@@ -6,11 +6,11 @@ use embassy_futures::select::{Either3, select3};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
 use floorguard_drivers::can::CanFrame;
-use floorguard_drivers::three_wheel_base::{BaseEvent, DriveCommand, StopKind, ThreeWheelBase};
+use floorguard_drivers::three_wheel_base::BaseEvent;
 use floorguard_guard::{FaultKind, Source};
-use floorguard_localisation::odometry::Tricycle;
 use heapless::Vec;
 
+use super::bus_base::{BaseKinematics, BusBase};
 use super::drive_order::DriveOrder;
 use super::supervise::TICK_MS;
 use crate::clock;
@@ -21,19 +21,17 @@ use crate::shared::{BusReport, Shared};
 const FRAMES_MAX: usize = 16;
 /// Pause after a failure of the link, milliseconds.
 const RETRY_MS: u64 = 20;
-/// A command that differs by less is the same, m/s.
-const SAME_MPS: f32 = 1.0e-3;
 
 type Frames = Vec<CanFrame, FRAMES_MAX>;
 
 /// Guard ring. Runs for ever.
-pub async fn can_bus<M: RawMutex>(
+pub async fn can_bus<M: RawMutex, B: BusBase, K: BaseKinematics<Command = B::Command>>(
     shared: &Shared<M>,
     mut bus: impl CanBus,
-    (mut base, tricycle): (ThreeWheelBase, Tricycle),
+    (mut base, kinematics): (B, K),
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(TICK_MS));
-    let mut order = DriveOrder::new(tricycle);
+    let mut order = DriveOrder::new(kinematics);
     let mut reported = None;
     loop {
         let mut frames = Frames::new();
@@ -42,9 +40,10 @@ pub async fn can_bus<M: RawMutex>(
         match select3(bus.receive(), shared.decision.next(), ticker.next()).await {
             Either3::First(Ok(frame)) => {
                 let now = clock::now();
-                base.on_frame(&frame, now, &mut |event| {
-                    if let BaseEvent::Drive(drive) = &event {
+                base.on_frame(&frame, now, &mut |mut event| {
+                    if let BaseEvent::Drive(drive) = &mut event {
                         order.steering_rad = drive.steering_rad;
+                        *drive = kinematics.heard(*drive);
                     }
                     take_in(shared, &event);
                 });
@@ -55,7 +54,7 @@ pub async fn can_bus<M: RawMutex>(
             }
             Either3::Second(decision) => {
                 order.follow(&decision);
-                if let Some(command) = order.command().filter(|new| is_tighter(*new, base.commanded())) {
+                if let Some(command) = order.command().filter(|new| K::is_tighter(*new, base.commanded())) {
                     base.command(command);
                     base.send_command(&mut |frame| collect(&mut frames, frame));
                 }
@@ -83,8 +82,8 @@ pub async fn can_bus<M: RawMutex>(
 }
 
 /// Publishes the devices' progress when it changes.
-fn report_changes<M: RawMutex>(shared: &Shared<M>, base: &ThreeWheelBase, reported: &mut Option<BusReport>) {
-    let report = Some(BusReport::of(base));
+fn report_changes<M: RawMutex>(shared: &Shared<M>, base: &impl BusBase, reported: &mut Option<BusReport>) {
+    let report = Some(base.report());
     if *reported != report {
         *reported = report;
         report.into_iter().for_each(|report| shared.bus.publish(report));
@@ -131,43 +130,12 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
 
 /// What goes out with the tick. No torque, until the computer was restarted, when something of the base or of the order differs
 /// from its copy (FG-REQ-058).
-fn command_of_tick<M: RawMutex>(
+fn command_of_tick<M: RawMutex, B: BusBase, K: BaseKinematics<Command = B::Command>>(
     shared: &Shared<M>,
-    (base, order): (&ThreeWheelBase, &DriveOrder),
-) -> DriveCommand {
+    (base, order): (&B, &DriveOrder<K>),
+) -> B::Command {
     order.command().filter(|_| base.is_whole()).unwrap_or_else(|| {
         shared.decide(|guard| guard.on_corruption(clock::now()));
-        DriveCommand::Stop(StopKind::TorqueOff)
+        K::TORQUE_OFF
     })
-}
-
-/// Slower, or a stop of a severer kind.
-fn is_tighter(new: DriveCommand, old: DriveCommand) -> bool {
-    let rank = |command| match command {
-        DriveCommand::Move { .. } => 0,
-        DriveCommand::Stop(StopKind::Hold) => 1,
-        DriveCommand::Stop(StopKind::Ramp) => 2,
-        DriveCommand::Stop(StopKind::TorqueOff) => 3,
-    };
-    match (new, old) {
-        (DriveCommand::Move { wheel_mps: new, .. }, DriveCommand::Move { wheel_mps: old, .. }) => {
-            libm::fabsf(new) < libm::fabsf(old) - SAME_MPS
-        }
-        (new, old) => rank(new) > rank(old),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_what_asks_for_less_is_urgent() {
-        let go = |wheel_mps| DriveCommand::Move { wheel_mps, steering_rad: 0.0 };
-        let stop = DriveCommand::Stop;
-        assert!(is_tighter(go(0.3), go(0.5)) && is_tighter(stop(StopKind::Hold), go(0.0)));
-        assert!(is_tighter(stop(StopKind::TorqueOff), stop(StopKind::Ramp)));
-        assert!(is_tighter(go(-0.1), go(0.5)));
-        assert!(!is_tighter(go(0.5), go(0.3)) && !is_tighter(go(0.5), stop(StopKind::Hold)));
-    }
 }

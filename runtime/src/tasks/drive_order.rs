@@ -1,11 +1,11 @@
 //! From a decision to a command to the drives. What lies between them stands in memory until the next tick, and the numbers of
 //! the steering for good: both are kept twice (FG-REQ-058).
 
-use floorguard_drivers::three_wheel_base::{DriveCommand, StopKind};
+use floorguard_drivers::three_wheel_base::StopKind;
 use floorguard_guard::{Action, Decision};
-use floorguard_localisation::odometry::Tricycle;
 use floorguard_types::geometry::Twist2;
 
+use super::bus_base::BaseKinematics;
 use crate::doubled::Doubled;
 
 /// What the drives need to know of a decision.
@@ -18,18 +18,18 @@ struct Order {
 
 /// The newest decision, and what makes a command of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct DriveOrder {
+pub(super) struct DriveOrder<K> {
     order: Doubled<Order>,
-    tricycle: Doubled<Tricycle>,
+    kinematics: Doubled<K>,
     /// As the steering drive reported it last, radians.
     pub(super) steering_rad: f32,
 }
 
-impl DriveOrder {
+impl<K: BaseKinematics> DriveOrder<K> {
     /// Before the first decision: no torque.
-    pub(super) fn new(tricycle: Tricycle) -> Self {
+    pub(super) fn new(kinematics: K) -> Self {
         let order = Order { permitted: Twist2::ZERO, action: Action::Category0, torque_off: true };
-        Self { order: Doubled::new(order), tricycle: Doubled::new(tricycle), steering_rad: 0.0 }
+        Self { order: Doubled::new(order), kinematics: Doubled::new(kinematics), steering_rad: 0.0 }
     }
 
     /// A decision was taken.
@@ -39,21 +39,17 @@ impl DriveOrder {
     }
 
     /// What it means for the drives now; `None` when something that is kept twice differs.
-    pub(super) fn command(&self) -> Option<DriveCommand> {
-        let (order, tricycle) = (self.order.get()?, self.tricycle.get()?);
+    pub(super) fn command(&self) -> Option<K::Command> {
+        let (order, kinematics) = (self.order.get()?, self.kinematics.get()?);
         if order.torque_off {
-            return Some(DriveCommand::Stop(StopKind::TorqueOff));
+            return Some(K::TORQUE_OFF);
         }
         let permitted = order.permitted;
         let moves = permitted.linear_mps != 0.0 || permitted.angular_radps != 0.0;
         Some(match order.action {
-            Action::Category1 if !moves => DriveCommand::Stop(StopKind::Ramp),
-            Action::Category2 if !moves => DriveCommand::Stop(StopKind::Hold),
-            _ => {
-                let target_rad = tricycle.steering_rad(permitted, self.steering_rad);
-                let wheel_mps = tricycle.wheel_mps(permitted, self.steering_rad, target_rad);
-                DriveCommand::Move { wheel_mps, steering_rad: target_rad }
-            }
+            Action::Category1 if !moves => K::stopping(StopKind::Ramp),
+            Action::Category2 if !moves => K::stopping(StopKind::Hold),
+            _ => kinematics.moving(permitted, self.steering_rad),
         })
     }
 }
@@ -61,7 +57,9 @@ impl DriveOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_drivers::three_wheel_base::DriveCommand;
     use floorguard_guard::GuardState;
+    use floorguard_localisation::odometry::Tricycle;
     use floorguard_types::time::Stamp;
 
     fn flipped(number: f32, bit: u32) -> f32 {
@@ -86,13 +84,13 @@ mod tests {
             field_set: 0,
         });
         assert!(matches!(order.command(), Some(DriveCommand::Move { wheel_mps, .. }) if wheel_mps > 0.4));
-        let changed = |change: &dyn Fn(&mut DriveOrder)| {
+        let changed = |change: &dyn Fn(&mut DriveOrder<Tricycle>)| {
             let mut order = order;
             change(&mut order);
             order.command()
         };
         for bit in 0..32 {
-            let flips: [&dyn Fn(&mut DriveOrder); 5] = [
+            let flips: [&dyn Fn(&mut DriveOrder<Tricycle>); 5] = [
                 &|order| {
                     let speed_mps = &mut order.order.value.permitted.linear_mps;
                     *speed_mps = flipped(*speed_mps, bit);
@@ -102,11 +100,11 @@ mod tests {
                     *turn_radps = flipped(*turn_radps, bit);
                 },
                 &|order| {
-                    let wheelbase_m = &mut order.tricycle.value.wheelbase_m;
+                    let wheelbase_m = &mut order.kinematics.value.wheelbase_m;
                     *wheelbase_m = flipped(*wheelbase_m, bit);
                 },
                 &|order| {
-                    let steering_max_rad = &mut order.tricycle.copy.steering_max_rad;
+                    let steering_max_rad = &mut order.kinematics.copy.steering_max_rad;
                     *steering_max_rad = flipped(*steering_max_rad, bit);
                 },
                 &|order| order.order.value.torque_off = true,

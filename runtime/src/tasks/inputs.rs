@@ -31,12 +31,22 @@ pub fn command_input<M: RawMutex>(shared: &Shared<M>) -> impl Future<Output = ()
 }
 
 /// The same; `observe` gets each input before the guard does.
-pub async fn observed_command_input<M: RawMutex>(
+pub fn observed_command_input<M: RawMutex>(
     shared: &Shared<M>,
+    observe: impl FnMut(GuardInput<'_>),
+) -> impl Future<Output = ()> {
+    shaped_command_input(shared, |wanted| wanted, observe)
+}
+
+/// The same for a base that cannot drive every velocity: the guard judges what `drivable` makes of the requested one (FG-REQ-083).
+pub async fn shaped_command_input<M: RawMutex>(
+    shared: &Shared<M>,
+    drivable: impl Fn(Twist2) -> Twist2,
     mut observe: impl FnMut(GuardInput<'_>),
 ) {
     loop {
         let (stamp, wanted) = shared.wanted.next().await;
+        let wanted = drivable(wanted);
         observe(GuardInput::Command(stamp, wanted));
         shared.decide(|guard| guard.on_command(wanted, stamp, clock::now()));
     }

@@ -6,6 +6,7 @@
 //! | perception | [`perceive`], and [`drive_route`] or [`drive_mission`] |
 
 mod advise;
+mod bus_base;
 mod buttons;
 mod can;
 mod drive_order;
@@ -21,12 +22,13 @@ mod velocity;
 mod velocity_base;
 
 pub use advise::PERSON_PROBABILITY_MIN;
+pub use bus_base::{BaseKinematics, BusBase};
 pub use buttons::BusWithButtons;
 pub use can::can_bus;
 pub use imu::imu_input;
 pub use inputs::{
     GuardInput, advice_input, command_input, observed_advice_input, observed_command_input,
-    observed_operator_input, operator_input,
+    observed_operator_input, operator_input, shaped_command_input,
 };
 pub use lidar::lidar_input;
 pub use mission::{Mission, MissionMoment, drive_mission};

@@ -162,17 +162,3 @@ fn accepted_updates_are_saved_in_virtual_time() {
     let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors())).expect("it is whole");
     assert!(kept.is_some(), "nothing was kept");
 }
-
-#[test]
-fn a_robot_with_another_body_is_not_simulated() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let robot = folder.path().join("robot.toml");
-    for (from, to, section) in
-        [("track_m = 0.60", "track_m = 0.70", "[robot]"), ("drive_node = 1", "drive_node = 9", "[can]")]
-    {
-        assert!(EXAMPLE.contains(from), "{from}");
-        std::fs::write(&robot, EXAMPLE.replacen(from, to, 1)).expect("it is written");
-        let refused = plan().with_robot(&robot).expect_err("another body").to_string();
-        assert!(refused.contains(section) && refused.contains("copy"), "{refused}");
-    }
-}

@@ -1,5 +1,6 @@
 //! The whole robot in virtual time, under faults and fuzzed inputs; the guard against its requirements.
 
+mod bases;
 mod config_single_mistakes;
 mod environment_learning;
 mod fault_campaign;

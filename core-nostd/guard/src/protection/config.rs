@@ -102,8 +102,11 @@ pub struct DriveLimits {
     pub braking_mps2: f32,
     /// From the decision to the brake's full effect, seconds.
     pub response_s: f32,
-    /// Rear axle to steered wheel, metres.
+    /// Rear axle to steered wheel, metres; of a base without one, by what a turning rate is a speed.
     pub wheelbase_m: f32,
+    /// How much faster the outer wheel is than the base point, metres per radian: half the distance between the wheels that brake;
+    /// 0 where one wheel in the middle does.
+    pub wheel_lever_m: f32,
 }
 
 /// Thresholds of the checks.
@@ -213,6 +216,7 @@ impl GuardConfig {
             braking_mps2: 0.0,
             response_s: 0.0,
             wheelbase_m: 1.0,
+            wheel_lever_m: 0.0,
         },
         thresholds: Thresholds::DEFAULT,
         unseen: UnseenLimits::NONE,
@@ -299,6 +303,7 @@ impl GuardConfig {
             ("tolerated difference of speeds", limits.speed_disagreement_mps),
             ("tolerated difference of turning rates", limits.turn_disagreement_radps),
             // None is as right as some.
+            ("lever of the wheels", drive.wheel_lever_m + f32::MIN_POSITIVE),
             ("way until the rear is known", self.unseen.known_after_m + f32::MIN_POSITIVE),
             ("number of adjacent beams", f32::from(limits.scan_adjacent_beams)),
             ("number of consecutive scans", f32::from(limits.scan_consecutive)),

@@ -74,8 +74,10 @@ impl Stopping {
     #[must_use]
     pub fn from(outline: &[Point2], twist: Twist2, (drive, reaction_s): (&DriveLimits, f32)) -> Self {
         let fastest_mps = fastest_mps(outline, twist);
-        // The driven wheel is what brakes.
-        let wheel_mps = Point2::new(twist.linear_mps, twist.angular_radps * drive.wheelbase_m).norm();
+        // The fastest of the driven wheels is what brakes: the one in the middle, or the outer one of two (FG-REQ-081).
+        let middle_mps = Point2::new(twist.linear_mps, twist.angular_radps * drive.wheelbase_m).norm();
+        let outer_mps = twist.linear_mps.abs() + twist.angular_radps.abs() * drive.wheel_lever_m;
+        let wheel_mps = middle_mps.max(outer_mps);
         let braking_s = (1.0 + BRAKE_WEAR) * wheel_mps / (2.0 * drive.braking_mps2);
         Self { delay_m: fastest_mps * (reaction_s + drive.response_s), braking_m: fastest_mps * braking_s }
     }

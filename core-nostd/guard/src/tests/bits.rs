@@ -170,7 +170,7 @@ fields! {
         rear_scans_with_hit, packet_returns, silent_cdeg, blocked_forward, blocked_backward,
     }
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }
-    DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m }
+    DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m, wheel_lever_m }
     Thresholds {
         scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
         warning_speed_mps, person_speed_mps, person_near_m, memory_reach_m, memory_firings, escape_speed_mps,

@@ -49,6 +49,7 @@ pub fn config() -> GuardConfig {
             braking_mps2: 0.8,
             response_s: 0.15,
             wheelbase_m: 0.8,
+            wheel_lever_m: 0.0,
         },
         thresholds: Thresholds::default(),
         unseen: UnseenLimits::NONE,

@@ -82,6 +82,30 @@ fn fg_req_027_inside_the_margin_nothing_comes_nearer() {
     assert!(free_m(forward(0.2), Point2::new(0.97, 0.0)) < 0.01, "towards it");
 }
 
+/// Two wheels 0.5 m apart of which the outer one brakes with the least braking, and the inner one in proportion: integrated in small
+/// steps, without the formula.
+#[test]
+fn fg_req_081_outer_wheel_brakes_the_turn() {
+    let mut config = config();
+    (config.drive.wheelbase_m, config.drive.wheel_lever_m) = (0.25, 0.25);
+    for motion in [twist(0.5, 0.8), twist(0.0, 0.8), twist(-0.25, 0.3), forward(0.7)] {
+        let wheels_mps = [-0.25, 0.25].map(|y_m: f32| (motion.linear_mps - motion.angular_radps * y_m).abs());
+        let outer_mps = wheels_mps[0].max(wheels_mps[1]);
+        let fastest_mps = fastest_mps(&config.footprint, motion);
+        let (mut share, mut path_m) = (1.0_f32, fastest_mps * (REACTION_S + config.drive.response_s));
+        for _ in 0..1_000_000 {
+            path_m += fastest_mps * share * 1.0e-4;
+            // Worn brakes: the way is a tenth longer.
+            share -= config.drive.braking_mps2 / 1.1 / outer_mps * 1.0e-4;
+            if share <= 0.0 {
+                break;
+            }
+        }
+        let computed_m = Stopping::from(&config.footprint, motion, (&config.drive, REACTION_S)).path_m();
+        assert!((computed_m - path_m).abs() < 2.0e-3, "{motion:?}: {computed_m} {path_m}");
+    }
+}
+
 #[test]
 fn fg_req_027_stopping_chain_and_share_are_inverse() {
     let config = config();

@@ -37,7 +37,18 @@ impl OdometryNoise {
         encoder_turn_sigma_radps: 0.05,
         gyroscope_sigma_radps: 0.005,
     };
+
+    /// The same for measuring wheels that stand `track_m` apart: the turning rate is as sure as they are far from each other (book,
+    /// Odometry: Bases).
+    #[must_use]
+    pub fn for_track(track_m: f32) -> Self {
+        let sigma_radps = Self::DEFAULT.encoder_turn_sigma_radps * (TRACK_M / track_m.max(0.05));
+        Self { encoder_turn_sigma_radps: sigma_radps, ..Self::DEFAULT }
+    }
 }
+
+/// The track for which the default holds, metres.
+const TRACK_M: f32 = 0.6;
 
 /// What was refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,6 +4,17 @@ use core::f32::consts::FRAC_PI_2;
 
 use floorguard_types::geometry::{Twist2, wrap_angle};
 
+use super::base_model::{BaseModel, limited_turn};
+
+/// Speed of the front wheel, and where it points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SteeredWheel {
+    /// Over ground, m/s.
+    pub wheel_mps: f32,
+    /// Counter-clockwise, radians.
+    pub steering_rad: f32,
+}
+
 /// The base of FLOBOT: two free rear wheels, one front wheel that drives and steers.
 ///
 /// ```
@@ -27,6 +38,8 @@ pub struct Tricycle {
 
 /// What the rear axle may do beyond the wanted speed so that a turn on the spot can begin, m/s.
 const CREEP_MPS: f32 = 0.02;
+/// From this angle on the wheel turns the base about its rear axle, radians.
+const ACROSS_RAD: f32 = 1.4;
 
 impl Tricycle {
     /// Velocity of the middle of the rear axle from the front wheel's speed over ground and angle.
@@ -72,6 +85,32 @@ impl Tricycle {
             0.01
         };
         full_mps * share
+    }
+}
+
+impl BaseModel for Tricycle {
+    type Wheels = SteeredWheel;
+
+    fn wheels(&self, twist: Twist2) -> SteeredWheel {
+        let steering_rad = self.steering_rad(twist, 0.0);
+        SteeredWheel { wheel_mps: self.wheel_mps(twist, steering_rad, steering_rad), steering_rad }
+    }
+
+    fn twist(&self, wheels: &SteeredWheel) -> Twist2 {
+        Self::twist(self, wheels.wheel_mps, wheels.steering_rad)
+    }
+
+    /// A wheel that turns nearly across turns the base on the spot.
+    fn drivable(&self, twist: Twist2) -> Twist2 {
+        if self.steering_max_rad >= ACROSS_RAD {
+            return twist;
+        }
+        let curvature_per_m = libm::tanf(self.steering_max_rad) / self.wheelbase_m.max(1.0e-3);
+        limited_turn(twist, libm::fabsf(twist.linear_mps) * curvature_per_m)
+    }
+
+    fn fastest_wheel_mps(&self, twist: Twist2) -> f32 {
+        libm::hypotf(twist.linear_mps, twist.angular_radps * self.wheelbase_m)
     }
 }
 

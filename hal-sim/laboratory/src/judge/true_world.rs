@@ -2,7 +2,7 @@
 
 use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
-use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice, SensorMount};
+use floorguard_sim::robot::{BodyPrism, RobotBody, RobotParameters, ScannerDevice, SensorMount};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
@@ -28,12 +28,14 @@ pub fn setup(plan: &Plan, simulation: &Simulation) -> judge::Setup {
         outline_m: prism.outline_m.clone(),
         height_m: prism.height_m,
     };
-    let half_m = parameters.track_m / 2.0;
-    let wheel_m = [parameters.wheelbase_m, 0.0];
+    let wheels_m: Vec<[f32; 2]> =
+        RobotBody::wheels_m(parameters).iter().map(|place| [place.x_m, place.y_m]).collect();
+    // The front wheel, or one of several that brake.
+    let wheel_m = wheels_m.first().copied().unwrap_or_default();
     let scene = simulation.scene();
     judge::Setup {
         body: parameters.body.iter().map(prism).collect(),
-        wheels_m: vec![wheel_m, [0.0, half_m], [0.0, -half_m]],
+        wheels_m,
         bumpers: parameters.bumpers.iter().filter(|_| plan.scenario.bumpers).map(prism).collect(),
         mass_kg: parameters.mass_kg,
         brakes: judge::Brakes {

@@ -4,6 +4,7 @@ mod mission_plan;
 mod outside;
 mod recorded_lidar;
 mod run_plan;
+mod true_robot;
 
 pub(crate) use mission_plan::survey;
 pub use mission_plan::{navigation_of_scenario, plan_of_scenario};

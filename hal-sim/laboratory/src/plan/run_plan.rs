@@ -3,22 +3,21 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use floorguard_runtime::configuration::{
-    LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
-};
+use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
-use floorguard_sim::robot::{LidarDevice, RobotParameters, ScannerDevice, SensorMount};
+use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 use floorguard_sim::simulation::Simulation;
-use floorguard_types::geometry::{Point2, Point3, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::mission_plan::{navigation_of_scenario, plan_of_scenario};
 use super::outside::OutsideProgram;
 use super::recorded_lidar::RecordedLidar;
+use super::true_robot::{true_robot, unplayable};
 use floorguard_configuration::{
-    CommandConfiguration, EXAMPLE, HostedConfiguration, NavigationConfiguration, parse,
+    CommandConfiguration, EXAMPLE, NavigationConfiguration, parse,
 };
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
@@ -146,19 +145,17 @@ impl Plan {
         })
     }
 
-    /// With the speeds, deadlines, thresholds, fields and learning of a file of one's own. The simulator plays the body of the
-    /// example, and the scenario says what to drive: another body is refused.
+    /// With the robot of a file of one's own: body, base, sensors and their mountings, speeds, deadlines, thresholds, fields and
+    /// learning. The scenario says what to drive. What the simulator cannot play is refused.
     ///
     /// # Errors
-    /// The file is refused, or is of another robot.
+    /// The file is refused, or has what no simulated robot has.
     pub fn with_robot(mut self, path: &Path) -> anyhow::Result<Self> {
         let name = path.display().to_string();
         let read = floorguard_configuration::load(path)?;
         let example = parse("robot.toml", EXAMPLE)?;
-        if let Some(section) = other_body(&read, &example) {
-            anyhow::bail!(
-                "{name}: [{section}] is not that of the example robot, and the simulator plays that one; copy [{section}] from robot.toml"
-            );
+        if let Some(why) = unplayable(&read.robot, &example.robot) {
+            anyhow::bail!("{name}: {why}");
         }
         self.robot_toml = std::fs::read_to_string(path)?;
         let (route, mut route_limits) = (self.robot.route, self.robot.route_limits);
@@ -254,17 +251,7 @@ impl Plan {
     /// The true robot.
     #[must_use]
     pub fn robot_parameters(&self) -> RobotParameters {
-        let scanner_device = match self.robot.scanner.model {
-            ScannerModel::S300 => ScannerDevice::S300,
-            ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
-        };
-        let rear_scanner = self.robot.rear_scanner.map(|scanner| mount(&scanner.mounting));
-        let scanner = mount(&self.robot.scanner.mounting);
-        let lidar_device = match self.robot.lidar.model {
-            LidarModel::PandarXt16 => LidarDevice::PandarXt16,
-            _ => LidarDevice::Vlp16,
-        };
-        RobotParameters { lidar_device, scanner, scanner_device, rear_scanner, ..RobotParameters::default() }
+        true_robot(&self.robot)
     }
 
     /// Where the odometry frame lies in the world.
@@ -272,28 +259,4 @@ impl Plan {
     pub fn odometry_in_world(&self) -> Pose2 {
         self.scenario.start_pose()
     }
-}
-
-fn is_level(scanner: &ScannerConfiguration) -> bool {
-    (scanner.mounting.roll_rad, scanner.mounting.pitch_rad) == (0.0, 0.0)
-}
-
-/// A scanner's place; a simulated one is level.
-fn mount(mounting: &Mounting) -> SensorMount {
-    let Point3 { x_m, y_m, z_m } = mounting.position;
-    SensorMount { x_m, y_m, z_m, yaw_rad: mounting.yaw_rad }
-}
-
-/// The section in which a robot has another body than the simulated one.
-fn other_body(read: &HostedConfiguration, example: &HostedConfiguration) -> Option<&'static str> {
-    let (own, simulated) = (&read.robot, &example.robot);
-    let same = [
-        ("robot", own.geometry == simulated.geometry),
-        ("lidar", own.lidar == simulated.lidar),
-        ("scanner", is_level(&own.scanner)),
-        ("rear_scanner", own.rear_scanner.as_ref().is_none_or(is_level)),
-        ("imu", own.imu == simulated.imu),
-        ("can] or [inputs", own.can == simulated.can),
-    ];
-    same.into_iter().find(|(_, is_same)| !is_same).map(|(section, _)| section)
 }

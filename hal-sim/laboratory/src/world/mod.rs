@@ -19,6 +19,7 @@ mod true_state;
 mod truth;
 mod velocity_base;
 mod virtual_world;
+mod wheel_targets;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};
 pub use floor_camera::SimulatedCamera;

@@ -16,6 +16,7 @@ use floorguard_types::time::Stamp;
 use super::observation::{Observation, PATH_US, SeenStop};
 use super::swept_area::SweptArea;
 use super::truth::TruthSampler;
+use super::wheel_targets::WheelTargets;
 use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
 use crate::judge::{HeardOf, MissionJudge, NavigationJudge, TrueContacts};
 use crate::metrics::MotAccumulator;
@@ -37,8 +38,6 @@ const PEOPLE_US: u64 = 200_000;
 const HISTORY_MAX: usize = 1_000;
 /// A status comes every tenth tick, seconds.
 const STATUS_S: f64 = 0.1;
-/// Front wheel's target: object 60FFh in mm/s behind the controlword.
-const ENABLE_OPERATION: u8 = 0x0F;
 
 /// Called now and then with the state of the robot.
 pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
@@ -56,7 +55,7 @@ pub struct Observer<'a> {
     seen_advice: u32,
     mot: MotAccumulator,
     pub(super) seen: Observation,
-    traction_id: u16,
+    targets: WheelTargets,
     odometry_in_world: Pose2,
     scenario: (String, u64),
     commanded_mps: f32,
@@ -92,7 +91,7 @@ impl<'a> Observer<'a> {
             seen_advice: 0,
             mot: MotAccumulator::new(),
             seen: Observation::default(),
-            traction_id: 0x200 | u16::from(plan.robot.can.drive_node),
+            targets: WheelTargets::of(&plan.robot.can),
             odometry_in_world: plan.odometry_in_world(),
             scenario: (plan.name.clone(), plan.seed),
             commanded_mps: 0.0,
@@ -127,11 +126,8 @@ impl<'a> Observer<'a> {
     pub fn on_frame(&mut self, frame: &CanFrame, now_us: u64) {
         let Some(id) = frame.standard_id() else { return };
         self.digest.on_frame(frame, now_us);
-        if id == self.traction_id
-            && let &[control, _, a, b, c, d] = frame.payload()
-        {
-            let target_mps = i32::from_le_bytes([a, b, c, d]) as f32 * 1.0e-3;
-            self.commanded_mps = if control == ENABLE_OPERATION { target_mps } else { 0.0 };
+        if let Some(commanded_mps) = self.targets.take(id, frame.payload()) {
+            self.commanded_mps = commanded_mps;
             self.orders.order(now_us, self.commanded_mps);
         }
     }
@@ -169,7 +165,7 @@ impl<'a> Observer<'a> {
 
     /// A moment of 10 ms in which the robot's computer is off.
     pub fn observe_without_computer(&mut self, simulation: &Simulation) {
-        self.commanded_mps = 0.0;
+        (self.commanded_mps, self.targets.mps) = (0.0, [0.0; 4]);
         let truth = simulation.truth();
         self.judge.observe(simulation, (&self.truth_sampler.judged(simulation, &truth), 0.0));
         self.record_paths(truth.stamp.as_micros(), &truth);

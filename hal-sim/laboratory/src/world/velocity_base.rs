@@ -44,7 +44,7 @@ pub(super) fn attend(base: Option<&BaseInWorld>, (simulation, now_us): (&mut Sim
 
 /// The drives of a plan's robot are on a bus: it has no base that takes velocities.
 pub(super) fn has_bus(plan: &Plan) -> bool {
-    plan.robot.base == BaseKind::ThreeWheel
+    plan.robot.base == BaseKind::CanBus
 }
 
 /// The robot's end of the line.

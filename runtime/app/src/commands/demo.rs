@@ -38,8 +38,7 @@ pub struct DemoArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
-    /// With the speeds, deadlines, thresholds, fields and [learning] of this robot.toml. Its body must be that of the example
-    /// robot.
+    /// With the robot of this robot.toml: body, base, sensors and mountings, speeds, deadlines, thresholds, fields and [learning].
     #[arg(long, value_name = "robot.toml")]
     pub robot: Option<PathBuf>,
     /// Render a floor camera: objects on the floor are driven round, and dirt is mapped. Takes as much time as all the

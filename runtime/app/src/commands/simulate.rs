@@ -81,8 +81,8 @@ pub struct SimulateArguments {
     /// The robot's safety scanner.
     #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
     pub scanner: FittedScanner,
-    /// Simulate with the speeds, deadlines, thresholds, fields and [learning] of this robot.toml. Its body must be that of the
-    /// example robot; the scenario says what to drive and to clean.
+    /// Simulate the robot of this robot.toml: body, base, sensors and mountings, speeds, deadlines, thresholds, fields and
+    /// [learning]; the scenario says what to drive and to clean. Sensors that are mounted at an angle are not played.
     #[arg(long, value_name = "robot.toml", conflicts_with_all = ["tape", "scanner"])]
     pub robot: Option<PathBuf>,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.

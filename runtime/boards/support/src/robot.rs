@@ -3,7 +3,7 @@
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_guard::{Action, Thresholds, UnseenLimits};
 use floorguard_runtime::configuration::{
-    BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
+    BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, DriveTrain, FieldPair, Geometry, ImuConfiguration,
     LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,
     ScannerConfiguration, ScannerModel,
 };

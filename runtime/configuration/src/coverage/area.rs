@@ -171,7 +171,7 @@ impl Swept {
         twist: Twist2,
         (geometry, limits): (&Geometry, &Limits),
     ) -> Option<Self> {
-        let drive = limits.drive(geometry.wheelbase_m);
+        let drive = limits.drive(geometry);
         let stopping = Stopping::from(outline.corners, twist, (&drive, REACTION_S));
         let needed_m = stopping.path_m() + STANDOFF_M;
         let sweep = Sweep::along(outline.corners, twist, needed_m)?;

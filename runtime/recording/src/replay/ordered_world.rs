@@ -67,7 +67,7 @@ impl Lines {
             },
             rear_scanner: run.robot.rear_scanner.map(|_| self.rear_scanner.clone()),
             imu: Some((self.imu.clone(), run.imu_baud)),
-            can: (run.robot.base == BaseKind::ThreeWheel).then(|| self.can.clone()),
+            can: (run.robot.base == BaseKind::CanBus).then(|| self.can.clone()),
             tap: None,
         }
     }

@@ -171,7 +171,7 @@ fn play<R: Read>(
         scanner: scanner_reader,
         rear_scanner: robot.rear_scanner.map(|_| rear_reader),
         imu: Some((DuplexPipe { reader: imu_reader, writer: to_imu }, baud)),
-        can: (robot.base == BaseKind::ThreeWheel).then(|| lines.can.clone()),
+        can: (robot.base == BaseKind::CanBus).then(|| lines.can.clone()),
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);

@@ -3,23 +3,24 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::wheel_drives::WheelDrives;
 use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::GuardConfigError;
-use floorguard_localisation::odometry::PoseHistory;
+use floorguard_localisation::odometry::{BaseModel, PoseHistory};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
-use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::configuration::{DriveTrain, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, Mission, NoMotion, PerceptionState, can_bus, drive_mission,
-    drive_route, imu_input, lidar_input, observed_advice_input, observed_command_input,
-    observed_operator_input, perceive, rear_scanner_input, scanner_datagrams, scanner_input, supervise,
+    drive_route, imu_input, lidar_input, observed_advice_input, observed_operator_input,
+    perceive, rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
 };
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{Scan, Sweep};
@@ -246,9 +247,8 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         tasks.spawn(rear_scanner_input(shared, line, receiver));
         names.push(GuardTask::RearScanner);
     }
-    let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     if let Some(can) = carriers.can {
-        tasks.spawn(can_bus(shared, BusWithButtons::new(can, shared, &robot.can), base));
+        spawn_base(tasks, (shared, robot), can);
         names.push(GuardTask::Can);
     }
     tasks.spawn(supervise(shared));
@@ -260,12 +260,35 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
             }
         }
     };
-    tasks.spawn(observed_command_input(shared, observer()));
+    let is_limited = matches!(robot.train, DriveTrain::Ackermann { .. });
+    let base = robot.ackermann();
+    let drivable = move |wanted| if is_limited { base.drivable(wanted) } else { wanted };
+    tasks.spawn(shaped_command_input(shared, drivable, observer()));
     tasks.spawn(observed_advice_input(shared, observer()));
     tasks.spawn(observed_operator_input(shared, observer()));
     let others = [GuardTask::Supervise, GuardTask::Command];
     names.extend(others.into_iter().chain([GuardTask::Advice, GuardTask::Operator]));
     names
+}
+
+/// The task of the CAN bus, with the devices and the kinematics of the robot's base.
+fn spawn_base<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    (shared, robot): (&'a Shared<M>, &RobotConfiguration),
+    can: impl CanBus + 'a,
+) {
+    let bus = BusWithButtons::new(can, shared, &robot.can);
+    match robot.train {
+        DriveTrain::Tricycle => {
+            tasks.spawn(can_bus(shared, bus, (ThreeWheelBase::new(robot.base()), robot.tricycle())));
+        }
+        DriveTrain::Ackermann { .. } => {
+            tasks.spawn(can_bus(shared, bus, (ThreeWheelBase::new(robot.base()), robot.ackermann())));
+        }
+        DriveTrain::Differential | DriveTrain::Omnidirectional { .. } => {
+            tasks.spawn(can_bus(shared, bus, (WheelDrives::new(robot.wheel_drives()), robot.side_wheels())));
+        }
+    }
 }
 
 /// Everything that sees and plans.

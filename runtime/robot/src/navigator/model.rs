@@ -4,7 +4,7 @@ use floorguard_navigation::costmap::InflationConfig;
 use floorguard_navigation::global::Pace;
 use floorguard_navigation::local::{Arrival, DwaConfig, MppiConfig, MppiWeights};
 use floorguard_navigation::recovery::RecoveryTimes;
-use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::configuration::{DriveTrain, RobotConfiguration};
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::{DriveGeometry, DriveKinematics, Footprint};
 
@@ -56,6 +56,19 @@ pub(super) struct Model {
     pub(super) arrival: Arrival,
 }
 
+/// How speed and turning rate are bound to each other.
+fn drive_geometry(robot: &RobotConfiguration) -> DriveGeometry {
+    let wheelbase_m = robot.geometry.wheelbase_m;
+    match robot.train {
+        DriveTrain::Tricycle => {
+            DriveGeometry::Tricycle { wheelbase_m, steering_max_rad: std::f32::consts::FRAC_PI_2 }
+        }
+        // What binds its speed to its turning rate is the same: v·tan(α)/L.
+        DriveTrain::Ackermann { steering_max_rad } => DriveGeometry::Tricycle { wheelbase_m, steering_max_rad },
+        DriveTrain::Differential | DriveTrain::Omnidirectional { .. } => DriveGeometry::Differential,
+    }
+}
+
 impl Model {
     /// Of a robot that is to drive like this, on cells of this edge.
     ///
@@ -82,10 +95,7 @@ impl Model {
             decay_per_m: DECAY_PER_M,
         };
         let drive = DriveKinematics {
-            geometry: DriveGeometry::Tricycle {
-                wheelbase_m: robot.geometry.wheelbase_m,
-                steering_max_rad: std::f32::consts::FRAC_PI_2,
-            },
+            geometry: drive_geometry(robot),
             speed_max_mps: settings.speed_mps.min(robot.limits.speed_mps),
             reverse_max_mps: robot.limits.reverse_mps.min(REVERSE_MPS),
             turn_max_radps: settings.turn_radps.min(robot.limits.turn_radps),

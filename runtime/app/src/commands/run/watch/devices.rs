@@ -12,7 +12,7 @@ const SILENT_AFTER: Duration = Duration::from_secs(3);
 
 /// A line for each device that has not been heard of.
 fn silent_devices(report: &BusReport) -> Vec<String> {
-    let silent = report.devices.iter().filter(|device| device.phase == NodePhase::Absent);
+    let silent = report.devices().filter(|device| device.phase == NodePhase::Absent);
     silent.map(|device| format!("  {device}")).collect()
 }
 
@@ -23,8 +23,8 @@ impl Watch<'_> {
             self.silent_reported = true;
             silent_devices(report).iter().for_each(|line| self.display.note(line));
         }
-        for (index, device) in report.devices.iter().enumerate() {
-            let known = self.bus.and_then(|known| known.devices.get(index).copied());
+        for (index, device) in report.devices().enumerate() {
+            let known = self.bus.and_then(|known| known.devices().nth(index).copied());
             let silent_at_start = known.is_none() && device.phase == NodePhase::Absent;
             if known != Some(*device) && !silent_at_start {
                 self.display.note(&format!("  {device}"));
@@ -68,14 +68,14 @@ mod tests {
     fn silent_nodes_are_named() {
         let robot =
             floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE).unwrap().robot;
-        let mut report =
-            BusReport::of(&floorguard_drivers::three_wheel_base::ThreeWheelBase::new(robot.base()));
-        let lines = silent_devices(&report);
+        let mut base = floorguard_drivers::three_wheel_base::ThreeWheelBase::new(robot.base());
+        let lines = silent_devices(&BusReport::of(&base));
         assert!(
             lines.len() == 5 && lines[4].contains("safety controller (node 5): not heard of"),
             "{lines:?}"
         );
-        report.devices[0].phase = NodePhase::Operational;
-        assert_eq!(silent_devices(&report).len(), 4);
+        let beat = floorguard_drivers::can::CanFrame::standard(0x701, &[0x7F]);
+        base.on_frame(&beat, floorguard_types::time::Stamp::ZERO, &mut |_| {});
+        assert_eq!(silent_devices(&BusReport::of(&base)).len(), 4);
     }
 }
