@@ -57,10 +57,12 @@ fn subscribed_channel_arrives_as_recorded() {
     let info = text(&mut viewer);
     assert_eq!((&info["op"], &info["name"]), (&"serverInfo".into(), &"robot".into()));
     let channels = text(&mut viewer);
-    let limit = channels["channels"].as_array().unwrap().iter().find(|one| one["topic"] == topics::SPEED_LIMIT);
+    let limit =
+        channels["channels"].as_array().unwrap().iter().find(|one| one["topic"] == topics::SPEED_LIMIT);
     let limit = limit.unwrap();
     assert_eq!((&limit["schemaName"], &limit["encoding"]), (&"std_msgs/msg/Float32".into(), &"cdr".into()));
-    let subscribe = serde_json::json!({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": limit["id"]}]});
+    let subscribe =
+        serde_json::json!({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": limit["id"]}]});
     viewer.send(Message::text(subscribe.to_string())).unwrap();
     // The request has been taken when the figures move.
     for step in 0..500_u64 {
@@ -91,7 +93,8 @@ fn stalled_viewer_loses_messages_and_delays_nothing() {
     let data = vec![0; 65_536];
     let mut publish = |step: u64| {
         let times = Stamp::from_micros(step).into();
-        let message = LiveMessage { topic: topics::CLOUD, schema: &floorguard_recording::OCTETS, times, data: &data };
+        let message =
+            LiveMessage { topic: topics::CLOUD, schema: &floorguard_recording::OCTETS, times, data: &data };
         server.message(&message);
         server.figures()
     };

@@ -130,7 +130,8 @@ impl Viewers {
             .channels
             .entry(message.topic)
             .or_insert_with(|| Channel::new(number, message.topic, message.schema));
-        let (id, advertisement) = (channel.id, is_new.then(|| protocol::advertise(std::iter::once(&*channel))));
+        let (id, advertisement) =
+            (channel.id, is_new.then(|| protocol::advertise(std::iter::once(&*channel))));
         let log_time_ns = nanoseconds(message.times.logged);
         if KEPT.contains(&message.topic) {
             watched.kept.insert(id, (log_time_ns, message.data.to_vec()));
@@ -139,8 +140,7 @@ impl Viewers {
             advertisement.iter().for_each(|text| _ = viewer.offer(Frame::Text(text.clone())));
             let Some(subscription) = viewer.subscribed.get(&id) else { continue };
             let frame = Frame::Binary(protocol::message_data(*subscription, log_time_ns, message.data));
-            let counter =
-                if viewer.offer(frame) { &self.counters.sent } else { &self.counters.dropped };
+            let counter = if viewer.offer(frame) { &self.counters.sent } else { &self.counters.dropped };
             counter.fetch_add(1, Ordering::Relaxed);
         }
         let logged_us = message.times.logged.as_micros();

@@ -79,7 +79,8 @@ impl Compression {
         match self {
             Self::None => Ok(None),
             Self::Lz4 | Self::Zstd => Err(RecordError(
-                "this program was built without compression; build it with `--features compression`".to_owned(),
+                "this program was built without compression; build it with `--features compression`"
+                    .to_owned(),
             )),
         }
     }
@@ -212,7 +213,8 @@ impl<W: Write + Seek> ChannelFile<W> {
     fn message(&mut self, message: &LiveMessage<'_>) -> Result<(), RecordError> {
         let LiveMessage { topic, schema, times, data } = *message;
         if !self.channels.contains_key(topic) {
-            let id = self.writer.add_schema(schema.name, schemas::ENCODING, schema.definition().as_bytes())?;
+            let id =
+                self.writer.add_schema(schema.name, schemas::ENCODING, schema.definition().as_bytes())?;
             let channel = self.writer.add_channel(id, topic, messages::ENCODING, &BTreeMap::new())?;
             self.channels.insert(topic, (channel, 0));
         }

@@ -116,11 +116,7 @@ part!(
     "vision_msgs/ObjectHypothesisWithPose",
     "vision_msgs/ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose\n"
 );
-part!(
-    BOUNDING_BOX,
-    "vision_msgs/BoundingBox3D",
-    "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n"
-);
+part!(BOUNDING_BOX, "vision_msgs/BoundingBox3D", "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n");
 part!(
     DETECTION,
     "vision_msgs/Detection3D",

@@ -32,6 +32,7 @@ impl Watch<'_> {
         if reported == drive.reported {
             return;
         }
+        let is_last = drive.setup.ends_run();
         let Some(progress) = drive.setup.watch.get() else { return };
         notes.navigation(&progress);
         if elapsed_s >= drive.next_word_s || progress.phase.is_over() {
@@ -40,7 +41,7 @@ impl Watch<'_> {
                 "text": progress.words, "left_m": progress.left_m, "distance_m": progress.distance_m});
             self.note_drive(&line, &progress.words);
         }
-        if progress.phase.is_over() {
+        if is_last && progress.phase.is_over() {
             flag.stop();
         }
     }
