@@ -109,6 +109,8 @@ impl FleetLink {
             is_connected: false,
             connections: 0,
             has_said: false,
+            early: Vec::new(),
+            knows_place: false,
             to_vehicle,
             moment: Arc::clone(&moment),
             ended: Arc::clone(&ended),
@@ -234,6 +236,9 @@ struct Speaker {
     is_connected: bool,
     connections: u32,
     has_said: bool,
+    /// What came before the vehicle said where it is: orders are judged by that.
+    early: Vec<(Topic, Vec<u8>)>,
+    knows_place: bool,
     to_vehicle: SyncSender<VehicleCommand>,
     moment: Arc<Mutex<Option<VehicleMoment>>>,
     ended: Arc<AtomicBool>,
@@ -254,8 +259,11 @@ impl Speaker {
             }
             let moment = self.moment.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(moment) = moment {
+                self.knows_place |= moment.pose.is_some();
                 let outcome = self.agent.attend(moment, &timestamp());
                 self.carry_out(outcome);
+                let early = if self.knows_place { std::mem::take(&mut self.early) } else { Vec::new() };
+                early.into_iter().for_each(|(topic, payload)| self.hear(Heard::Message(topic, payload)));
             }
             self.pump();
             if self.ended.load(Ordering::Acquire) {
@@ -271,9 +279,14 @@ impl Speaker {
                 self.greet();
             }
             Heard::Lost => self.is_connected = false,
-            Heard::Message(topic, payload) => {
+            Heard::Message(topic, payload) if self.knows_place => {
                 let outcome = self.agent.receive(topic, &payload);
                 self.carry_out(outcome);
+            }
+            Heard::Message(topic, payload) => {
+                if self.early.len() < REQUESTS_MAX {
+                    self.early.push((topic, payload));
+                }
             }
             Heard::Sent(number) => {
                 // What is sent again after a loss has its number.

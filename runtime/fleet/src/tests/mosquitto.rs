@@ -176,12 +176,12 @@ fn order_survives_broker_restarts() {
     let pid = broker.child.id();
     assert!(pid > 0);
     let away = thread::spawn(move || {
-        broker.restart(Duration::from_millis(700));
+        broker.restart(Duration::from_millis(200));
         broker
     });
     for paused in [false, true, false, true] {
         robot.moment.is_paused = paused;
-        for _ in 0..30 {
+        for _ in 0..12 {
             robot.step();
             thread::sleep(Duration::from_millis(5));
         }

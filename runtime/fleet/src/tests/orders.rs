@@ -62,7 +62,9 @@ impl Driven {
             ..VehicleMoment::default()
         };
         let agent = FleetAgent::open(vehicle("7"), None).unwrap();
-        Self { agent, moment, places: Vec::new(), commands: Vec::new() }
+        let mut robot = Self { agent, moment, places: Vec::new(), commands: Vec::new() };
+        robot.step();
+        robot
     }
 
     fn send(&mut self, topic: Topic, message: &Value) -> Value {
