@@ -38,6 +38,7 @@ EXPECTED = {
     "/tf": "tf2_msgs/msg/TFMessage",
     "/tf_static": "tf2_msgs/msg/TFMessage",
     "/people": "visualization_msgs/msg/MarkerArray",
+    "/people/detections": "vision_msgs/msg/Detection3DArray",
     "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
     "/raw/lidar": "std_msgs/msg/UInt8MultiArray",
 }

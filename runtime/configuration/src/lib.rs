@@ -10,6 +10,7 @@ mod command;
 mod coverage;
 mod devices;
 mod fields;
+mod fleet;
 mod learning;
 mod mission;
 mod navigation;
@@ -30,6 +31,7 @@ pub use coverage::{
     AcceptedGap, BAR_M, Coverage, Direction, DirectionLimit, Gap, GapMotion, GapSpeed, HEIGHTS_M, Motion,
     Refusal, Region, SensorGap, Sight, SpeedStep, Unseen,
 };
+pub use fleet::FleetConfiguration;
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};

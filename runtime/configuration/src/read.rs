@@ -18,6 +18,7 @@ use super::coverage::{
     Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
 };
 use super::fields::read_fields;
+use super::fleet::{FleetConfiguration, read_fleet};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
@@ -55,6 +56,8 @@ pub struct HostedConfiguration {
     pub mission: Option<MissionConfiguration>,
     /// How it drives to a goal.
     pub navigation: Option<NavigationConfiguration>,
+    /// The fleet that it belongs to, if it does.
+    pub fleet: Option<FleetConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
@@ -165,6 +168,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
+    let fleet = top.optional_section("fleet").and_then(read_fleet);
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
@@ -208,6 +212,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         },
         mission,
         navigation,
+        fleet,
         learning,
         accepted_gaps: accepted.gaps,
         gap_speeds: accepted.speeds,

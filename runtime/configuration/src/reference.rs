@@ -10,6 +10,9 @@ const OPTIONAL: &str = "
 map = \"hall.yaml\"
 strategy = \"systematic\"
 [navigation]
+[fleet]
+broker = \"127.0.0.1\"
+serial = \"robot-7\"
 [learning]
 [rear_scanner]
 model = \"s300\"
@@ -123,7 +126,7 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[navigation]`, `[learning]`, `[command]` and every `[[field]]` may be missing as a whole.
+`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]` and every `[[field]]` may be missing as a whole.
 `floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
@@ -138,7 +141,9 @@ the first sender that comes. Fields follow from
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
 person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map, and `simulate --navigate` on that of its
-scenario; `start_…` is where the robot is switched on, in the map's frame. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
+scenario; `start_…` is where the robot is switched on, in the map's frame. With `[fleet]`, `run` waits for the orders of a fleet's
+master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
+`fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
 the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,

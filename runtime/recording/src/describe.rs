@@ -32,6 +32,11 @@ pub fn is_person(track: &PersonReport) -> bool {
         && track.explanation.is_none()
 }
 
+/// How large a track is drawn along x, y, z, metres: tracks have no size of their own.
+pub const fn body_size_m(is_person: bool) -> [f64; 3] {
+    if is_person { [0.5, 0.5, 1.7] } else { [0.3, 0.3, 0.5] }
+}
+
 /// All tracks of a sweep: a cylinder each, and an arrow where it moves.
 pub fn people(report: &PeopleReport) -> Vec<Marker> {
     report.people.iter().flat_map(person).collect()
@@ -49,7 +54,7 @@ pub fn person(track: &PersonReport) -> Vec<Marker> {
         id,
         shape: MarkerShape::Cylinder,
         pose,
-        size_m: if taken { [0.5, 0.5, 1.7] } else { [0.3, 0.3, 0.5] },
+        size_m: body_size_m(taken),
         color: if taken { [0.85, 0.25, 0.15, 0.8] } else { [0.5, 0.5, 0.5, 0.4] },
         text: label(track),
         points: Vec::new(),

@@ -98,6 +98,12 @@ const POINT_FIELDS: [(&str, u32, u8); 6] =
     [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7), ("time", 16, 7), ("ring", 20, 4)];
 const POINT_BYTES: u32 = 22;
 
+/// How messages are written, by MCAP's name for it.
+pub const ENCODING: &str = "cdr";
+
+/// A turn of the safety scanner's mirror, seconds; the S300 and the microScan3 alike.
+const SCAN_S: f32 = 0.04;
+
 /// `std_msgs/msg/UInt8MultiArray`: bytes, without dimensions.
 pub fn octets(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = Encoder::new();
@@ -139,14 +145,14 @@ pub(super) fn header(encoder: &mut Encoder, stamp: Stamp, frame: &str) {
     encoder.text(frame);
 }
 
-fn time(encoder: &mut Encoder, stamp: Stamp) {
+pub(super) fn time(encoder: &mut Encoder, stamp: Stamp) {
     let micros = stamp.as_micros();
     encoder
         .i32(i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX))
         .u32((micros % 1_000_000) as u32 * 1_000);
 }
 
-fn quaternion_about_z(encoder: &mut Encoder, heading_rad: f32) {
+pub(super) fn quaternion_about_z(encoder: &mut Encoder, heading_rad: f32) {
     let half = f64::from(heading_rad) / 2.0;
     encoder.f64s(&[0.0, 0.0, libm::sin(half), libm::cos(half)]);
 }
@@ -182,7 +188,9 @@ pub fn laser_scan(scan: &Scan, frame: &str) -> Vec<u8> {
     header(&mut encoder, scan.stamp, frame);
     let last = scan.beams.len().saturating_sub(1) as f32;
     encoder.f32(scan.first_angle_rad).f32(scan.first_angle_rad + last * scan.step_rad).f32(scan.step_rad);
-    encoder.f32(0.0).f32(0.04).f32(0.0).f32(65.0).length(scan.beams.len());
+    // The mirror turns once a scan, evenly: a beam comes a step of the circle after the one before.
+    let beam_s = SCAN_S * scan.step_rad / (2.0 * std::f32::consts::PI);
+    encoder.f32(beam_s).f32(SCAN_S).f32(0.0).f32(65.0).length(scan.beams.len());
     for beam in &scan.beams {
         encoder.f32(match beam {
             BeamReturn::Hit(range_mm) => f32::from(*range_mm) / 1_000.0,
@@ -233,7 +241,10 @@ pub fn odometry_in(
     }
     encoder.f64s(&wide);
     encoder.f64s(&[f64::from(twist.linear_mps), 0.0, 0.0, 0.0, 0.0, f64::from(twist.angular_radps)]);
-    encoder.f64s(&[0.0; 36]);
+    // Nothing estimates the speed's: zeros would call it exact.
+    let mut of_twist = [0.0; 36];
+    of_twist[0] = -1.0;
+    encoder.f64s(&of_twist);
     encoder.finish()
 }
 

@@ -12,6 +12,7 @@ use floorguard_types::time::Stamp;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 
+use super::listener::{LiveMessage, MessageListener};
 use super::messages;
 use super::raw::RawStream;
 use super::schemas::{self, Schema};
@@ -35,12 +36,54 @@ impl From<mcap::McapError> for RecordError {
     }
 }
 
-/// A recording in the making.
+/// A recording in the making: a file, listeners, or both.
 pub struct Recorder<W: Write + Seek> {
+    file: Option<ChannelFile<W>>,
+    listeners: Vec<Box<dyn MessageListener>>,
+}
+
+/// The file of a recording.
+struct ChannelFile<W: Write + Seek> {
     writer: mcap::Writer<NoSeek<W>>,
     /// When the first message of the chunk was recorded.
     chunk_began: Option<Stamp>,
     channels: BTreeMap<&'static str, (u16, u32)>,
+}
+
+/// How the chunks of a recording are packed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// Not at all: the messages of a chunk that was cut can still be read.
+    #[default]
+    None,
+    /// LZ4 frames: fast. Needs the feature `compression`.
+    Lz4,
+    /// Zstandard: small. Needs the feature `compression`.
+    Zstd,
+}
+
+impl Compression {
+    /// As MCAP's library calls it.
+    #[cfg(feature = "compression")]
+    fn of_library(self) -> Result<Option<mcap::Compression>, RecordError> {
+        Ok(match self {
+            Self::None => None,
+            Self::Lz4 => Some(mcap::Compression::Lz4),
+            Self::Zstd => Some(mcap::Compression::Zstd),
+        })
+    }
+
+    /// As MCAP's library calls it.
+    #[cfg(not(feature = "compression"))]
+    fn of_library(self) -> Result<Option<mcap::Compression>, RecordError> {
+        match self {
+            Self::None => Ok(None),
+            Self::Lz4 | Self::Zstd => Err(RecordError(
+                "this program was built without compression; build it with `--features compression`"
+                    .to_owned(),
+            )),
+        }
+    }
 }
 
 /// When something was recorded, and when it was made.
@@ -59,20 +102,45 @@ impl From<Stamp> for Times {
 }
 
 impl<W: Write + Seek> Recorder<W> {
-    /// Starts a recording.
+    /// Starts a recording, not packed.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn new(sink: W) -> Result<Self, RecordError> {
+        Self::packed(sink, Compression::None)
+    }
+
+    /// Starts a recording with packed chunks.
+    ///
+    /// # Errors
+    /// When the file cannot be written, or the program was built without compression.
+    pub fn packed(sink: W, compression: Compression) -> Result<Self, RecordError> {
         let options = mcap::WriteOptions::new()
             .profile("ros2")
             .library("floorguard")
             .use_chunks(true)
             .chunk_size(Some(CHUNK_BYTES))
             .disable_seeking(true)
-            .compression(None);
+            .compression(compression.of_library()?);
         let writer = options.create(NoSeek::new(sink))?;
-        Ok(Self { writer, chunk_began: None, channels: BTreeMap::new() })
+        let file = ChannelFile { writer, chunk_began: None, channels: BTreeMap::new() };
+        Ok(Self { file: Some(file), listeners: Vec::new() })
+    }
+
+    /// No file: what is written reaches listeners only.
+    #[must_use]
+    pub const fn without_file() -> Self {
+        Self { file: None, listeners: Vec::new() }
+    }
+
+    /// Every message from now on reaches this listener, too.
+    pub fn listen(&mut self, listener: Box<dyn MessageListener>) {
+        self.listeners.push(listener);
+    }
+
+    /// The file is given up as it is; listeners go on.
+    pub(super) fn abandon_file(&mut self) {
+        self.file = None;
     }
 
     /// Writes named texts about the recording.
@@ -80,7 +148,8 @@ impl<W: Write + Seek> Recorder<W> {
     /// # Errors
     /// When the file cannot be written.
     pub fn metadata(&mut self, name: &str, texts: BTreeMap<String, String>) -> Result<(), RecordError> {
-        Ok(self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: texts })?)
+        let Some(file) = &mut self.file else { return Ok(()) };
+        Ok(file.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: texts })?)
     }
 
     /// Writes one ROS 2 message.
@@ -90,30 +159,14 @@ impl<W: Write + Seek> Recorder<W> {
     pub fn message(
         &mut self,
         topic: &'static str,
-        schema: &Schema,
+        schema: &'static Schema,
         times: impl Into<Times>,
         data: &[u8],
     ) -> Result<(), RecordError> {
-        if !self.channels.contains_key(topic) {
-            let id = self.writer.add_schema(schema.name, "ros2msg", schema.definition().as_bytes())?;
-            let channel = self.writer.add_channel(id, topic, "cdr", &BTreeMap::new())?;
-            self.channels.insert(topic, (channel, 0));
-        }
         let times = times.into();
-        let began = *self.chunk_began.get_or_insert(times.logged);
-        if times.logged.as_micros() >= began.as_micros().saturating_add(CHUNK_US) {
-            self.flush()?;
-            self.chunk_began = Some(times.logged);
-        }
-        let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
-        let header = MessageHeader {
-            channel_id: *channel_id,
-            sequence: *sequence,
-            log_time: times.logged.as_micros().saturating_mul(1_000),
-            publish_time: times.published.as_micros().saturating_mul(1_000),
-        };
-        *sequence = sequence.wrapping_add(1);
-        Ok(self.writer.write_to_known_channel(&header, data)?)
+        let message = LiveMessage { topic, schema, times, data };
+        self.listeners.iter_mut().for_each(|listener| listener.message(&message));
+        self.file.as_mut().map_or(Ok(()), |file| file.message(&message))
     }
 
     /// Writes raw bytes of a stream: recorded when the tasks got them, published when they arrived.
@@ -134,15 +187,50 @@ impl<W: Write + Seek> Recorder<W> {
     /// # Errors
     /// When the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        Ok(self.writer.flush()?)
+        self.file.as_mut().map_or(Ok(()), |file| Ok(file.writer.flush()?))
     }
 
-    /// Writes the index and closes the recording.
+    /// Writes the index and closes the recording; gives the file back, if there is one.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn finish(mut self) -> Result<W, RecordError> {
-        self.writer.finish()?;
-        Ok(self.writer.into_inner().into_inner())
+    pub fn close(self) -> Result<Option<W>, RecordError> {
+        let Some(mut file) = self.file else { return Ok(None) };
+        file.writer.finish()?;
+        Ok(Some(file.writer.into_inner().into_inner()))
+    }
+
+    /// The same of a recording that has a file.
+    ///
+    /// # Errors
+    /// When the file cannot be written, or there is none.
+    pub fn finish(self) -> Result<W, RecordError> {
+        self.close()?.ok_or_else(|| RecordError("it has no file".to_owned()))
+    }
+}
+
+impl<W: Write + Seek> ChannelFile<W> {
+    fn message(&mut self, message: &LiveMessage<'_>) -> Result<(), RecordError> {
+        let LiveMessage { topic, schema, times, data } = *message;
+        if !self.channels.contains_key(topic) {
+            let id =
+                self.writer.add_schema(schema.name, schemas::ENCODING, schema.definition().as_bytes())?;
+            let channel = self.writer.add_channel(id, topic, messages::ENCODING, &BTreeMap::new())?;
+            self.channels.insert(topic, (channel, 0));
+        }
+        let began = *self.chunk_began.get_or_insert(times.logged);
+        if times.logged.as_micros() >= began.as_micros().saturating_add(CHUNK_US) {
+            self.writer.flush()?;
+            self.chunk_began = Some(times.logged);
+        }
+        let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
+        let header = MessageHeader {
+            channel_id: *channel_id,
+            sequence: *sequence,
+            log_time: times.logged.as_micros().saturating_mul(1_000),
+            publish_time: times.published.as_micros().saturating_mul(1_000),
+        };
+        *sequence = sequence.wrapping_add(1);
+        Ok(self.writer.write_to_known_channel(&header, data)?)
     }
 }

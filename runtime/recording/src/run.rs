@@ -1,11 +1,14 @@
 //! The recording of a run: every byte that reaches the robot, and everything that it makes of them.
 //!
-//! A failing disk must not stop a robot: the first failure is kept, nothing is written any more, and
-//! [`RunRecorder::finish`] tells.
+//! A failing disk must not stop a robot: the first failure is kept, nothing is written to the file any more, and
+//! [`RunRecorder::finish`] reports it. Listeners go on.
+
+mod maps;
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
@@ -14,22 +17,19 @@ use floorguard_guard::{Cause, GuardState, ResetReport};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
-use floorguard_types::geometry::Pose2;
-use floorguard_types::sensing::Scan;
 use floorguard_types::time::Stamp;
 
-use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::{MissionPhase, MissionProgress};
-use floorguard_robot::navigator::NavigationProgress;
 
 use super::describe;
+use super::detection_messages;
 use super::lidar_view::LidarView;
-use super::messages::GridImage;
-use super::mission;
+use super::listener::MessageListener;
 use super::navigation::SeenDrive;
 use super::raw::RawStream;
 use super::recorder::{RecordError, Recorder, Times};
-use super::scan_map::{self, ScanMap};
+use super::scan_map::ScanMap;
+use super::schemas;
 use super::topics::{self, MotionRow};
 
 /// Name of the texts about the run.
@@ -42,10 +42,6 @@ pub const LEARNED: &str = "learned";
 const MOTION_EVERY_US: u64 = 20_000;
 /// Health, counters, frames of mountings and the fingerprint: once a second, microseconds.
 const SLOW_EVERY_US: u64 = 1_000_000;
-/// The map takes two scans a second, microseconds.
-const MAP_SCAN_US: u64 = 500_000;
-/// Maps are written this often, microseconds.
-const MAPS_EVERY_US: u64 = 5_000_000;
 
 /// What is known before the run begins.
 #[derive(Clone, Debug)]
@@ -76,6 +72,8 @@ pub struct RunRecorder<W: Write + Seek> {
     seen: Seen,
     failed: Option<RecordError>,
     learned: Option<String>,
+    /// The run is in real time: what the clock on the wall shows is written, too.
+    has_wall_clock: bool,
 }
 
 /// What has been written already.
@@ -103,7 +101,14 @@ impl<W: Write + Seek> RunRecorder<W> {
     /// # Errors
     /// When the file cannot be written.
     pub fn new(sink: W, info: &RunInfo<'_>) -> Result<Self, RecordError> {
-        let mut recorder = Recorder::new(sink)?;
+        Self::over(Recorder::new(sink)?, info)
+    }
+
+    /// The same over a recorder that is packed, or that has no file but listeners.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn over(mut recorder: Recorder<W>, info: &RunInfo<'_>) -> Result<Self, RecordError> {
         let mut texts = info.texts.clone();
         texts.insert("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
         texts.insert("robot.toml".to_owned(), info.robot_toml.to_owned());
@@ -128,7 +133,18 @@ impl<W: Write + Seek> RunRecorder<W> {
             seen: Seen::default(),
             failed: None,
             learned: None,
+            has_wall_clock: false,
         })
+    }
+
+    /// Every message from now on reaches this listener, too.
+    pub fn listen(&mut self, listener: Box<dyn MessageListener>) {
+        self.recorder.listen(listener);
+    }
+
+    /// The run is in real time: once a second the clock on the wall is written beside the robot's.
+    pub fn write_wall_clock(&mut self) {
+        self.has_wall_clock = true;
     }
 
     /// Why nothing is written any more.
@@ -138,8 +154,10 @@ impl<W: Write + Seek> RunRecorder<W> {
     }
 
     pub(super) fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
-        if self.failed.is_none() {
-            self.failed = write(&mut self.recorder).err();
+        if let Err(error) = write(&mut self.recorder) {
+            // Listeners go on without the file.
+            self.recorder.abandon_file();
+            self.failed.get_or_insert(error);
         }
     }
 
@@ -213,6 +231,8 @@ impl<W: Write + Seek> RunRecorder<W> {
             && let Some(report) = shared.people.get()
         {
             self.write(|out| out.markers(topics::PEOPLE, (now, "odom"), &describe::people(&report)));
+            let found = detection_messages::detections(now, &report);
+            self.write(|out| out.message(topics::DETECTIONS, &schemas::DETECTIONS, now, &found));
         }
         if self.seen.status != status
             && let Some(status) = shared.status.get()
@@ -224,87 +244,6 @@ impl<W: Write + Seek> RunRecorder<W> {
             self.slow(shared, now);
         }
         (self.seen.people, self.seen.status, self.seen.scan) = (people, status, scan);
-    }
-
-    fn map<M: RawMutex>(&mut self, shared: &Shared<M>, scan: &Scan, now_us: u64) {
-        let mounting = self.mountings.iter().find(|(name, _)| *name == "scanner").map(|(_, at)| *at);
-        if now_us >= self.seen.map_scan_us
-            && let (Some(pose), Some(mounting)) = (shared.pose.get(), mounting)
-        {
-            self.seen.map_scan_us = now_us + MAP_SCAN_US;
-            self.map.add(scan, &mounting, pose.pose_in_odometry);
-        }
-        if now_us >= self.seen.map_us {
-            self.seen.map_us = now_us + MAPS_EVERY_US;
-            self.write_map(now_us);
-        }
-    }
-
-    fn write_map(&mut self, now_us: u64) {
-        let Some(picture) = self.map.picture() else { return };
-        let grid = GridImage {
-            resolution_m: scan_map::CELL_M,
-            width: picture.width,
-            origin: picture.origin,
-            cells: &picture.cells,
-        };
-        self.write(|out| out.map(topics::MAP, (Stamp::from_micros(now_us), "odom"), &grid));
-    }
-
-    /// The floor camera's map of dirt as it is now: percent of heat, −1 unknown.
-    pub fn seen_dirt(&mut self, seen: &SeenDirt) {
-        let now = Stamp::from_micros(self.seen.now_us);
-        let (geometry, [_, live]) = (&seen.geometry, &seen.layers);
-        let corner = geometry.origin_in_map();
-        let grid = GridImage {
-            resolution_m: geometry.resolution_m(),
-            width: geometry.width().into(),
-            origin: Pose2::new(corner.x_m, corner.y_m, 0.0),
-            cells: live,
-        };
-        self.write(|out| out.map(topics::SEEN_DIRT, (now, "odom"), &grid));
-    }
-
-    /// The cleaning mission has reported its progress.
-    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
-        let now_us = self.seen.now_us;
-        let now = Stamp::from_micros(now_us);
-        let odometry = progress.odometry_in_map;
-        self.write(|out| out.frame(now, now, (("map", "odom"), odometry)));
-        self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[mission::diagnostic(progress)]));
-        if self.seen.mission_us.is_none() {
-            self.write_dirt(progress, &progress.expected_before, now);
-        }
-        let due = self.seen.mission_us.is_none_or(|last_us| now_us >= last_us + MAPS_EVERY_US);
-        if due || self.seen.phase != Some(progress.phase) {
-            self.seen.phase = Some(progress.phase);
-            self.write_mission(progress, now_us);
-            self.mission = None;
-        } else {
-            // Written at the end, should nothing newer come.
-            self.mission = Some(Arc::clone(progress));
-        }
-    }
-
-    /// The drive to a goal has reported its progress: its plan and costmap are written when they change.
-    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
-        let now = Stamp::from_micros(self.seen.now_us);
-        let mut drive = std::mem::take(&mut self.drive);
-        self.write(|out| drive.write(out, (progress, now)));
-        self.drive = drive;
-    }
-
-    fn write_mission(&mut self, progress: &MissionProgress, now_us: u64) {
-        let now = Stamp::from_micros(now_us);
-        self.seen.mission_us = Some(now_us);
-        let cells = mission::claimed_cells(progress);
-        self.write(|out| out.map(topics::CLAIMED, (now, "map"), &mission::grid(progress, &cells)));
-        self.write_dirt(progress, &progress.expected_now, now);
-    }
-
-    fn write_dirt(&mut self, progress: &MissionProgress, units: &[f32], now: Stamp) {
-        let cells = mission::dirt_cells(progress, units);
-        self.write(|out| out.map(topics::DIRT, (now, "map"), &mission::grid(progress, &cells)));
     }
 
     fn on_status(&mut self, status: &RobotStatus, now: Stamp) {
@@ -339,6 +278,13 @@ impl<W: Write + Seek> RunRecorder<W> {
         list.extend(shared.people.get().map(|report| describe::perception(&report)));
         list.push(describe::links(&shared.links()));
         self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &list));
+        if self.has_wall_clock
+            && let Ok(since_1970) = SystemTime::now().duration_since(UNIX_EPOCH)
+        {
+            let unix_us = u64::try_from(since_1970.as_micros()).unwrap_or(u64::MAX);
+            let both = detection_messages::wall_clock(now, unix_us);
+            self.write(|out| out.message(topics::WALL_CLOCK, &schemas::TIME_REFERENCE, now, &both));
+        }
         self.write(Recorder::flush);
     }
 
@@ -369,7 +315,7 @@ impl<W: Write + Seek> RunRecorder<W> {
     ///
     /// # Errors
     /// The first failed write.
-    pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<W, RecordError> {
+    pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<Option<W>, RecordError> {
         self.write_map(duration_us);
         if let Some(progress) = self.mission.take() {
             self.write_mission(&progress, duration_us);
@@ -380,7 +326,7 @@ impl<W: Write + Seek> RunRecorder<W> {
         self.write(|out| out.metadata(END_METADATA, texts));
         match self.failed {
             Some(error) => Err(error),
-            None => self.recorder.finish(),
+            None => self.recorder.close(),
         }
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! Field names and types are those of the ROS 2 interface packages; a reader needs each used type after a separator.
 
+/// How the definitions are written, by MCAP's name for it.
+pub const ENCODING: &str = "ros2msg";
+
 /// A message type: its name and its definition with everything that it uses.
 pub struct Schema {
     /// Full name.
@@ -18,7 +21,8 @@ struct Part {
 }
 
 impl Schema {
-    /// The definition as it stands in the file.
+    /// The definition as it stands in the file, with those of all types that it uses.
+    #[must_use]
     pub fn definition(&self) -> String {
         let separator = "=".repeat(80);
         self.uses.iter().fold(self.fields.to_owned(), |text, part| {
@@ -105,6 +109,19 @@ part!(
      std_msgs/ColorRGBA[] colors\nstring texture_resource\nsensor_msgs/CompressedImage texture\n\
      visualization_msgs/UVCoordinate[] uv_coordinates\nstring text\nstring mesh_resource\n\
      visualization_msgs/MeshFile mesh_file\nbool mesh_use_embedded_materials\n"
+);
+part!(HYPOTHESIS, "vision_msgs/ObjectHypothesis", "string class_id\nfloat64 score\n");
+part!(
+    HYPOTHESIS_WITH_POSE,
+    "vision_msgs/ObjectHypothesisWithPose",
+    "vision_msgs/ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose\n"
+);
+part!(BOUNDING_BOX, "vision_msgs/BoundingBox3D", "geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n");
+part!(
+    DETECTION,
+    "vision_msgs/Detection3D",
+    "std_msgs/Header header\nvision_msgs/ObjectHypothesisWithPose[] results\nvision_msgs/BoundingBox3D bbox\n\
+     string id\n"
 );
 
 /// Raw bytes.
@@ -205,4 +222,28 @@ pub static DIAGNOSTIC_ARRAY: Schema = Schema {
     name: "diagnostic_msgs/msg/DiagnosticArray",
     fields: "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status\n",
     uses: &[&HEADER, &TIME, &DIAGNOSTIC_STATUS, &KEY_VALUE],
+};
+/// People as boxes with a class.
+pub static DETECTIONS: Schema = Schema {
+    name: "vision_msgs/msg/Detection3DArray",
+    fields: "std_msgs/Header header\nvision_msgs/Detection3D[] detections\n",
+    uses: &[
+        &DETECTION,
+        &HYPOTHESIS_WITH_POSE,
+        &HYPOTHESIS,
+        &BOUNDING_BOX,
+        &HEADER,
+        &TIME,
+        &POSE_WITH_COVARIANCE,
+        &POSE,
+        &POINT,
+        &QUATERNION,
+        &VECTOR3,
+    ],
+};
+/// The clock on the wall beside the robot's.
+pub static TIME_REFERENCE: Schema = Schema {
+    name: "sensor_msgs/msg/TimeReference",
+    fields: "std_msgs/Header header\nbuiltin_interfaces/Time time_ref\nstring source\n",
+    uses: &[&HEADER, &TIME],
 };

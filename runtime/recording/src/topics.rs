@@ -36,6 +36,10 @@ pub const PLAN: &str = "/navigation/plan";
 pub const COSTMAP: &str = "/navigation/costmap";
 /// Tracks of people.
 pub const PEOPLE: &str = "/people";
+/// The same tracks as detections.
+pub const DETECTIONS: &str = "/people/detections";
+/// The clock on the wall beside the robot's, once a second of a run in real time.
+pub const WALL_CLOCK: &str = "/wall_clock";
 /// The fields that the guard watches.
 pub const FIELDS: &str = "/guard/fields";
 /// The permitted command.

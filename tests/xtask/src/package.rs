@@ -86,6 +86,7 @@ fn build(architecture: &Architecture, with_laboratory: bool) -> Result<PathBuf> 
     }
     let mut cargo = shell::cargo();
     cargo.args(["build", "--release", "--locked", "--package", "floorguard", "--target", target]);
+    cargo.args(["--features", "foxglove,fleet-tls"]);
     if !with_laboratory {
         cargo.arg("--no-default-features");
     }

@@ -22,7 +22,7 @@ use floorguard_configuration::{
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationSettings};
+use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings};
 
 /// A run of the simulator.
 #[derive(Clone, Debug)]
@@ -50,6 +50,8 @@ pub struct Plan {
     /// Where the robot drives; it then neither cleans nor drives the scenario's route, and the run ends when it is there or
     /// gives up.
     pub navigation: Option<NavigationPlan>,
+    /// Somebody outside orders its goals, one after another, and the run does not end with them.
+    pub drive_orders: Option<DriveOrders>,
     /// How it drives to a goal.
     pub navigation_settings: NavigationSettings,
     /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
@@ -126,6 +128,7 @@ impl Plan {
             dirt,
             mission: None,
             navigation: None,
+            drive_orders: None,
             navigation_settings: (&navigation).into(),
             seed,
             duration_us,
@@ -200,6 +203,15 @@ impl Plan {
             navigation_of_scenario(&self.scenario, drive, self.seed).map_err(PlanError::Mission)?;
         self.navigation = Some(navigation);
         Ok(self)
+    }
+
+    /// Driving where somebody outside orders, from its start on.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn ordered(self) -> Result<Self, PlanError> {
+        let start = self.scenario.start_pose();
+        Ok(Self { drive_orders: Some(DriveOrders::default()), ..self.navigating(start)? })
     }
 
     /// With an empty map of this side around the start, metres, that the robot is to complete; no dirt lies there.

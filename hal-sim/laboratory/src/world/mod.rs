@@ -26,6 +26,6 @@ pub use floor_camera::SimulatedCamera;
 pub use observation::{AdvisedPeople, Observation, SeenStop};
 pub use observer::{Observer, TRACKED_RANGE_M};
 pub use real_world::{CarrierFigures, run_real, run_real_recorded};
-pub use recorded_plan::{record_plan, record_plan_in_real_time};
+pub use recorded_plan::{record_plan, record_plan_in_real_time, watch_plan};
 pub use scenario_file::load_scenario;
 pub use virtual_world::{run_recorded, run_virtual};

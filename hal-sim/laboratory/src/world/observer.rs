@@ -210,7 +210,9 @@ impl<'a> Observer<'a> {
             Err(error) => say!("  {error}: nobody judges contacts"),
         }
         self.mission = plan.mission.as_ref().map(|mission| MissionJudge::new(mission, simulation.dirt()));
-        self.navigation = plan.navigation.as_ref().map(NavigationJudge::new);
+        // Goals that somebody outside orders are judged by them.
+        let own = plan.navigation.as_ref().filter(|_| plan.drive_orders.is_none());
+        self.navigation = own.map(NavigationJudge::new);
     }
 
     /// The mission has reported its progress, while the robot believed in a pose of the odometry frame.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use floorguard_operator::telemetry::{IN_REAL_TIME, RecordedRun, RunSinks};
 use floorguard_recording::replay::{IMU_BAUD, REPEATABLE};
+use floorguard_recording::{MessageListener, RecordError};
 use floorguard_sim::{FaultSpec, FaultTarget};
 
 use crate::plan::Plan;
@@ -20,6 +21,7 @@ fn hits_computer(fault: &FaultSpec) -> bool {
 pub fn record_plan(sinks: &mut RunSinks, plan: &Plan, path: &Path) -> anyhow::Result<()> {
     let repeatable = match plan.faults.iter().any(hits_computer) {
         true => "no",
+        false if plan.drive_orders.is_some() => "no: its goals were ordered from outside",
         false if plan.has_camera => "no: the floor camera's pictures are not recorded",
         false => "yes",
     };
@@ -43,13 +45,29 @@ fn record(sinks: &mut RunSinks, plan: &Plan, (path, repeatable): (&Path, &str)) 
         ("stages", plan.stages.name()),
         (REPEATABLE, repeatable),
     ];
-    let run = RecordedRun {
+    sinks.record_run(&run_of(plan), &texts, path)
+}
+
+/// Every message of a run of this plan reaches a listener, recorded or not.
+///
+/// # Errors
+/// The recording that it listens to could not be written.
+pub fn watch_plan(
+    sinks: &mut RunSinks,
+    plan: &Plan,
+    listener: Box<dyn MessageListener>,
+) -> Result<(), RecordError> {
+    sinks.watch_live(&run_of(plan), listener)
+}
+
+/// What a recording says of a plan.
+fn run_of(plan: &Plan) -> RecordedRun<'_> {
+    RecordedRun {
         robot: &plan.robot,
         robot_toml: &plan.robot_toml,
         imu_baud: IMU_BAUD,
         mission: plan.mission.as_ref(),
         navigation: plan.navigation.as_ref(),
         learning: plan.learning.as_ref(),
-    };
-    sinks.record_run(&run, &texts, path)
+    }
 }

@@ -112,7 +112,10 @@ fn play(
             .mission
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
-        navigation: plan.navigation.clone().map(NavigationSetup::new),
+        navigation: plan
+            .navigation
+            .clone()
+            .map(|drive| NavigationSetup::new(drive).ordered_by(plan.drive_orders.clone())),
         latches: 0,
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::writer),
@@ -323,7 +326,7 @@ impl World<'_, '_> {
         let Some(progress) = setup.watch.get() else { return };
         self.observer.on_navigation(&progress);
         self.sinks.navigation(&progress);
-        if progress.phase.is_over() {
+        if progress.phase.is_over() && setup.ends_run() {
             self.sinks.ended.stop();
         }
     }

@@ -83,7 +83,7 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let mut sinks = RunSinks::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
     let real_io = arguments.real_io;
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records: None, real_io })?;
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, real_io, ..SinkOutputs::default() })?;
     let observation = if arguments.real_io {
         play_real((&plan, None), false, &mut sinks)?
     } else {

@@ -32,8 +32,8 @@ pub(super) fn run(arguments: &ExploreArguments, scenario: &str) -> anyhow::Resul
     }
     let plan = plan.exploring(*side)?;
     let mut sinks = RunSinks::default();
-    let (record, panel) = (outputs.record.as_deref(), outputs.panel);
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, ..SinkOutputs::default() })?;
+    let (record, panel, live) = (outputs.record.as_deref(), outputs.panel, outputs.live.clone());
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, live, ..SinkOutputs::default() })?;
     let observation = play(&plan, outputs.json, &mut sinks)?;
     if let Some(surveyed) = &observation.surveyed {
         write(arguments, surveyed)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use floorguard_configuration::NavigationConfiguration;
 use floorguard_robot::navigator::{
-    NavigationPhase, NavigationPlan, NavigationProgress, NavigationSettings, NavigationSetup,
+    DriveOrders, NavigationPhase, NavigationPlan, NavigationProgress, NavigationSettings, NavigationSetup,
 };
 use floorguard_types::geometry::Pose2;
 
@@ -83,6 +83,11 @@ pub(super) fn navigation_of(
             let section = section.ok_or_else(missing).map_err(refuse)?;
             NavigationPlan::of_configuration(section, folder, goal)
         }
+        Errand::Fleet => {
+            let section = section.ok_or_else(missing).map_err(refuse)?;
+            let [x_m, y_m, heading_rad] = section.start;
+            NavigationPlan::of_configuration(section, folder, Pose2::new(x_m, y_m, heading_rad))
+        }
         Errand::Explore { side_m } => {
             let limits = &configuration.robot.limits;
             let section = section.cloned().unwrap_or_else(|| NavigationConfiguration::of_limits(limits));
@@ -92,7 +97,8 @@ pub(super) fn navigation_of(
         }
     };
     let plan = plan.map_err(refuse)?;
-    let setup = NavigationSetup::new(plan);
+    let orders = matches!(errand, Errand::Fleet).then(DriveOrders::default);
+    let setup = NavigationSetup::new(plan).ordered_by(orders);
     setup.begin(&configuration.robot).map_err(refuse)?;
     Ok(Some(setup))
 }

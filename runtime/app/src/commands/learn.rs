@@ -9,14 +9,18 @@ use floorguard_types::geometry::Point2;
 
 use super::BadInput;
 use floorguard_robot::environment::{
-    Calendar, Lesson, Model, ReadTracks, TrackFormat, TrackReading, load, pictures, read_tracks, read_zones,
-    save, teach_recording,
+    Calendar, Lesson, Model, ReadTracks, TrackFormat, TrackReading, load, merge, pictures, read_tracks,
+    read_zones, save, teach_recording,
 };
 use floorguard_robot::site::ros_map;
 
 /// What to learn from.
 #[derive(Clone, Debug, Args)]
 pub struct LearnArguments {
+    /// Make one model of those of several robots in this building, whatever their order: `--merge a.floorguard b.floorguard --model
+    /// all.floorguard`. A model that is there already under that name is replaced.
+    #[arg(long, num_args = 1.., value_name = "MODEL", conflicts_with_all = ["tracks", "start", "format", "rate"])]
+    pub merge: Vec<PathBuf>,
     /// Recorded tracks, .gz or not: the layouts of ETH, L-CAS and HERMES, or a table time_s,id,x_m,y_m.
     pub tracks: Vec<PathBuf>,
     /// The model.
@@ -66,7 +70,32 @@ pub(super) fn bad(error: anyhow::Error) -> anyhow::Error {
 /// # Errors
 /// Files or times that cannot be used.
 pub fn run(arguments: &LearnArguments) -> anyhow::Result<()> {
-    learn(arguments).map_err(bad)
+    if arguments.merge.is_empty() {
+        return learn(arguments).map_err(bad);
+    }
+    merge_models(arguments).map_err(bad)
+}
+
+/// One model of several robots'.
+fn merge_models(arguments: &LearnArguments) -> anyhow::Result<()> {
+    let PlaceArguments { model: path, zones, .. } = &arguments.place;
+    let read = |file: &PathBuf| {
+        let loaded = load(file)?.with_context(|| format!("{}: there is no model", file.display()))?;
+        loaded.passed_over.iter().for_each(|what| say!("passed over: {what}"));
+        Ok(loaded.model)
+    };
+    let models = arguments.merge.iter().map(read).collect::<anyhow::Result<Vec<Model>>>()?;
+    let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let mut merged = merge(&stem, models)?;
+    if let Some(zones) = zones {
+        merged.zones = read_zones(zones)?;
+    }
+    save(path, &mut merged)?;
+    if let Some(picture) = &arguments.picture {
+        pictures::write(picture, &merged, pictures::Layer::Trajectories, None)?;
+    }
+    say!("{} saved, of {} models", path.display(), arguments.merge.len());
+    Ok(())
 }
 
 fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {

@@ -8,6 +8,8 @@ mod campaign;
 mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
+mod choices;
+#[cfg(feature = "laboratory")]
 mod demo;
 mod eval;
 #[cfg(feature = "laboratory")]
@@ -17,6 +19,7 @@ mod explain;
 mod explore;
 #[cfg(feature = "laboratory")]
 mod explore_simulated;
+mod fleet;
 mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
@@ -24,6 +27,7 @@ mod interrupt;
 mod learn;
 mod live;
 mod live_camera;
+mod live_outputs;
 mod manual;
 mod map_here;
 #[cfg(feature = "laboratory")]

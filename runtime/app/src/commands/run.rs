@@ -17,9 +17,11 @@ use self::drive::WatchedDrive;
 use self::watch::Watch;
 use super::check::say_absences;
 use super::exit::BadInput;
+use super::fleet::{FleetOpening, join};
 use super::goto::navigation_of;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
+use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
@@ -77,6 +79,9 @@ pub struct RunOutputs {
     /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
+    /// What is shown live.
+    #[command(flatten)]
+    pub live: LiveOutputs,
 }
 
 /// Runs the command.
@@ -103,6 +108,8 @@ fn bind_links(configuration: &HostedConfiguration) -> anyhow::Result<Links> {
 pub(super) enum Errand {
     /// To drive there.
     Goal(Pose2),
+    /// To drive where a fleet's master orders.
+    Fleet,
     /// To map a square of this side around the start, metres.
     Explore { side_m: f32 },
 }
@@ -139,6 +146,7 @@ pub(super) fn run_to(
     }
     let learning = learning_of((arguments, folder), &configuration)?;
     watch.learned = learning.as_ref().map(LearningSetup::writer);
+    let errand = errand.or_else(|| configuration.fleet.as_ref().map(|_| Errand::Fleet));
     let navigation = navigation_of((&arguments.file, folder), &configuration, errand)?;
     let mission = if navigation.is_some() { None } else { mission_of((arguments, folder), &configuration)? };
     let reported = Reported {
@@ -147,6 +155,7 @@ pub(super) fn run_to(
         learning: learning.as_ref(),
     };
     let mut sinks = open_sinks(arguments, &configuration, &reported)?;
+    join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref())?;
     watch.drive = navigation.clone().map(WatchedDrive::new);
     links.navigation.clone_from(&navigation);
     watch.mission.clone_from(&mission);
@@ -210,13 +219,18 @@ fn open_sinks(
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
     let mut sinks = RunSinks::default();
+    let text =
+        std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
+    let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
+    let Reported { mission, navigation, learning } = *reported;
+    let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
+    let live = &arguments.outputs.live;
+    sinks.compression = live.record_compression.into();
     if let Some(path) = &arguments.outputs.record {
-        let text =
-            std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
-        let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-        let Reported { mission, navigation, learning } = *reported;
-        let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
         sinks.record_devices(&run, &name, path)?;
+    }
+    if let Some(listener) = live.open(&name)? {
+        sinks.watch_live(&run, listener)?;
     }
     if let Some(address) = arguments.outputs.panel {
         let records = Some(records_beside(&arguments.file));
@@ -225,6 +239,19 @@ fn open_sinks(
         sinks.panel = Some(panel);
     }
     Ok(sinks)
+}
+
+/// A robot with `[fleet]` drives where its master orders.
+fn join_fleet(
+    sinks: &mut RunSinks,
+    (configuration, folder): (&HostedConfiguration, &Path),
+    navigation: Option<&NavigationSetup>,
+) -> anyhow::Result<()> {
+    let orders = navigation.and_then(|drive| Some((drive, drive.orders.clone()?)));
+    let (Some(fleet), Some((drive, orders))) = (&configuration.fleet, orders) else { return Ok(()) };
+    let (robot, settings) = (&configuration.robot, drive.plan.settings);
+    sinks.links.push(join(FleetOpening { fleet, folder: Some(folder), robot, settings, orders })?);
+    Ok(())
 }
 
 /// Lines from a terminal; a pipe is not an operator.

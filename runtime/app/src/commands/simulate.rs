@@ -12,13 +12,16 @@ use floorguard_sim::scenario::Scenario;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Pose2;
 
+use super::choices::{DrivingPlanner, FittedLidar, FittedScanner};
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
+use super::fleet::fleet_broker;
 use super::live::status_of;
+use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
 use super::run_lesson::RunLesson;
 use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
-use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
+use floorguard_configuration::{CommandAddress, CommandConfiguration, FleetConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
@@ -107,6 +110,13 @@ pub struct SimulateArguments {
     /// Keep what the panel keeps over the runs, areas, alerts and days, in this file.
     #[arg(long, value_name = "FILE.json", requires = "panel")]
     pub panel_records: Option<PathBuf>,
+    /// What is shown live.
+    #[command(flatten)]
+    pub live: LiveOutputs,
+    /// In real time, drive where the master of a fleet orders (VDA 5050 over MQTT) instead of cleaning or the route:
+    /// `--fleet 127.0.0.1:1883/robot-7`. Needs the feature `fleet`.
+    #[arg(long, value_name = "HOST:PORT/SERIAL", value_parser = fleet_broker, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "navigate", "command"])]
+    pub fleet: Option<FleetConfiguration>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -119,35 +129,6 @@ pub struct SimulateArguments {
     /// Write the report with the picture to this folder.
     #[arg(long)]
     pub report: Option<PathBuf>,
-}
-
-/// Which safety scanner the simulated robot carries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum FittedScanner {
-    /// SICK S300: 541 beams, a serial line.
-    #[default]
-    S300,
-    /// SICK microScan3: 2,751 beams, UDP.
-    Microscan3,
-}
-
-/// Which lidar the simulated robot carries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum FittedLidar {
-    /// Velodyne VLP-16.
-    #[default]
-    Vlp16,
-    /// Hesai PandarXT-16.
-    PandarXt16,
-}
-
-/// Which local planner drives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DrivingPlanner {
-    /// Sampling-based predictive control: expects people.
-    Ours,
-    /// The dynamic window as published.
-    Dwa,
 }
 
 /// Runs the command.
@@ -183,7 +164,8 @@ fn simulate(arguments: &SimulateArguments, record: Option<&Path>) -> anyhow::Res
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (panel, panel_records) = (arguments.panel, arguments.panel_records.clone());
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, real_io })?;
+    let (live, fleet) = (arguments.live.clone(), arguments.fleet.clone());
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, live, fleet, real_io })?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
@@ -284,7 +266,9 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
     }
     plan.command.clone_from(&arguments.command);
-    if let Some(goal) = arguments.navigate {
+    if arguments.fleet.is_some() {
+        plan = plan.ordered()?;
+    } else if let Some(goal) = arguments.navigate {
         if let Some(planner) = arguments.planner {
             plan.navigation_settings.uses_dwa = planner == DrivingPlanner::Dwa;
         }

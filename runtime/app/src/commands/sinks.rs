@@ -3,9 +3,12 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
+use super::fleet::{FleetOpening, join};
 use super::interrupt::end_at_ctrl_c;
+use super::live_outputs::LiveOutputs;
 use super::panel::{PanelOpening, open_panel};
-use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time};
+use floorguard_configuration::FleetConfiguration;
+use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time, watch_plan};
 use floorguard_operator::telemetry::RunSinks;
 
 /// What is written and shown of a simulated run.
@@ -17,17 +20,29 @@ pub(super) struct SinkOutputs<'a> {
     pub panel: Option<SocketAddr>,
     /// Where the panel keeps its areas, alerts and days.
     pub panel_records: Option<PathBuf>,
+    /// What is shown live.
+    pub live: LiveOutputs,
+    /// The fleet that the robot belongs to.
+    pub fleet: Option<FleetConfiguration>,
     /// The run is in real time over real lines.
     pub real_io: bool,
 }
 
 /// A recording and a panel, where they are wanted.
 pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs<'_>) -> anyhow::Result<()> {
-    let SinkOutputs { record, panel, panel_records, real_io } = outputs;
+    let SinkOutputs { record, panel, panel_records, live, fleet, real_io } = outputs;
+    sinks.compression = live.record_compression.into();
     match record {
         Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
         Some(path) => record_plan(sinks, plan, path)?,
         None => {}
+    }
+    if let Some(listener) = live.open(&plan.scenario.title)? {
+        watch_plan(sinks, plan, listener)?;
+    }
+    if let (Some(fleet), Some(orders)) = (&fleet, plan.drive_orders.clone()) {
+        let (robot, settings) = (&plan.robot, plan.navigation_settings);
+        sinks.links.push(join(FleetOpening { fleet, folder: None, robot, settings, orders })?);
     }
     end_at_ctrl_c(&sinks.ended, "the run ends here")?;
     if let Some(address) = panel {

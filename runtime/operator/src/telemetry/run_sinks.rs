@@ -15,6 +15,7 @@ use floorguard_runtime::tape::TapeLine;
 use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
+use super::run_link::{LinkMoment, RunLink};
 use super::tape::{Tape, encode_route};
 use crate::panel::{Panel, PanelOrder};
 use floorguard_host::executor::StopFlag;
@@ -22,7 +23,7 @@ use floorguard_host::outcome::BadInput;
 use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
 use floorguard_recording::replay::{LEARNED, MISSION, NAVIGATION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
-use floorguard_recording::{RecordError, RunInfo, RunRecorder};
+use floorguard_recording::{Compression, MessageListener, RecordError, Recorder, RunInfo, RunRecorder};
 use floorguard_robot::assembly::{Stages, TapRow};
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionProgress, MissionSetup};
@@ -68,8 +69,15 @@ pub type FileRecorder = RunRecorder<BufWriter<File>>;
 pub struct RunSinks {
     /// A tape for the emulated board.
     pub tape: Tape,
-    /// A recording for everybody else.
+    /// A recording for everybody else, into a file, to listeners, or both.
     pub recording: Option<FileRecorder>,
+    /// How a recording's file is packed.
+    pub compression: Compression,
+    /// Programs outside that are shown the robot and order things, such as a fleet's master.
+    pub links: Vec<Box<dyn RunLink>>,
+    /// Somebody watches live: a run in virtual time then goes no faster than the clock on the wall.
+    is_watched: bool,
+    drive: Option<Arc<NavigationProgress>>,
     /// The simulated camera's pictures.
     pub pictures: Option<PictureFolder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
@@ -111,7 +119,35 @@ impl RunSinks {
         let texts = texts.chain(navigation.map(|text| (NAVIGATION.to_owned(), text)));
         let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
-        self.recording = Some(open_recording(path, &info)?);
+        let mut recording = open_recording((path, self.compression), &info)?;
+        if in_real_time {
+            recording.write_wall_clock();
+        }
+        self.recording = Some(recording);
+        Ok(())
+    }
+
+    /// Every message of the run reaches this listener, too, whether or not the run is recorded.
+    ///
+    /// # Errors
+    /// Never without a file; the recording's own otherwise.
+    pub fn watch_live(
+        &mut self,
+        run: &RecordedRun<'_>,
+        listener: Box<dyn MessageListener>,
+    ) -> Result<(), RecordError> {
+        self.is_watched = true;
+        if self.recording.is_none() {
+            let RecordedRun { robot, robot_toml, imu_baud, .. } = *run;
+            let texts = BTreeMap::new();
+            let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
+            let mut recording = RunRecorder::over(Recorder::without_file(), &info)?;
+            recording.write_wall_clock();
+            self.recording = Some(recording);
+        }
+        if let Some(recording) = &mut self.recording {
+            recording.listen(listener);
+        }
         Ok(())
     }
 
@@ -134,7 +170,7 @@ impl RunSinks {
     /// There is at least one sink.
     #[must_use]
     pub const fn listen(&self) -> bool {
-        self.recording.is_some() || self.panel.is_some()
+        self.recording.is_some() || self.panel.is_some() || !self.links.is_empty()
     }
 
     /// Why the recording ends before the run.
@@ -200,6 +236,7 @@ impl RunSinks {
         if let Some(panel) = &mut self.panel {
             panel.navigation(progress);
         }
+        self.drive = Some(Arc::clone(progress));
     }
 
     /// The floor camera's map of dirt.
@@ -244,12 +281,29 @@ impl RunSinks {
 
     /// Shows the robot on the panel and keeps the run in real time; gives what operators have ordered meanwhile.
     pub fn attend<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) -> Vec<PanelOrder> {
-        let Some(panel) = &mut self.panel else { return Vec::new() };
+        if self.panel.is_none() && self.links.is_empty() && !self.is_watched {
+            return Vec::new();
+        }
         let started = *self.started.get_or_insert_with(Instant::now);
         std::thread::sleep(Duration::from_micros(now_us).saturating_sub(started.elapsed()));
-        panel.publish(shared);
-        let first = self.first_order.take().map(PanelOrder::Mission);
-        first.into_iter().chain(std::iter::from_fn(|| panel.order())).collect()
+        self.outside_orders(shared, now_us)
+    }
+
+    /// Shows the robot on the panel and to programs outside; gives what they have ordered meanwhile.
+    pub(super) fn outside_orders<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) -> Vec<PanelOrder> {
+        let mut orders: Vec<PanelOrder> = Vec::new();
+        if let Some(panel) = &mut self.panel {
+            panel.publish(shared);
+            orders.extend(self.first_order.take().map(PanelOrder::Mission));
+            orders.extend(std::iter::from_fn(|| panel.order()));
+        }
+        if !self.links.is_empty() {
+            let (status, drive) = (shared.status.get(), self.drive.as_ref());
+            let moment = LinkMoment { now: Stamp::from_micros(now_us), status: status.as_ref(), drive };
+            let ordered = self.links.iter_mut().flat_map(|link| link.attend(&moment));
+            orders.extend(ordered.map(PanelOrder::from));
+        }
+        orders
     }
 
     /// A mission can be ordered at the panel; the areas that are kept there reach it before anything else.
@@ -320,13 +374,17 @@ impl RunSinks {
     }
 }
 
-fn open_recording(path: &Path, info: &RunInfo<'_>) -> anyhow::Result<FileRecorder> {
+fn open_recording(
+    (path, compression): (&Path, Compression),
+    info: &RunInfo<'_>,
+) -> anyhow::Result<FileRecorder> {
     let unwritable = |error: &dyn std::fmt::Display| {
         BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
     };
     let file = File::create(path).map_err(|error| unwritable(&error))?;
-    let mut recorder = RunRecorder::new(BufWriter::with_capacity(BUFFER_BYTES, file), info)
-        .map_err(|error| unwritable(&error))?;
+    let packed = Recorder::packed(BufWriter::with_capacity(BUFFER_BYTES, file), compression);
+    let mut recorder =
+        packed.and_then(|packed| RunRecorder::over(packed, info)).map_err(|error| unwritable(&error))?;
     recorder.delivered((0, 0), TapeLine::Route, &encode_route(info.robot));
     Ok(recorder)
 }

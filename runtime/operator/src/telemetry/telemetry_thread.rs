@@ -12,7 +12,7 @@ use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 
 use super::run_sinks::RunSinks;
-use crate::panel::{Order, PanelOrder};
+use crate::panel::Order;
 use floorguard_host::executor::{Ring, take_priority};
 use floorguard_robot::assembly::{HostedShared, Tap, TapRow, TapRows, tap};
 use floorguard_robot::camera::SeenDirt;
@@ -166,11 +166,7 @@ fn take_in(
             TelemetryEvent::Order(order) => sinks.order(order, shared, now_us),
         }
     }
-    if let Some(panel) = &mut sinks.panel {
-        panel.publish(shared);
-        let first = sinks.first_order.take().map(PanelOrder::Mission);
-        let orders: Vec<PanelOrder> = first.into_iter().chain(std::iter::from_fn(|| panel.order())).collect();
-        orders.into_iter().for_each(|order| sinks.order(order, shared, now_us));
-    }
+    let orders = sinks.outside_orders(shared, now_us);
+    orders.into_iter().for_each(|order| sinks.order(order, shared, now_us));
     sinks.publish(shared, now_us);
 }

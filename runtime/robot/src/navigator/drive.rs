@@ -16,6 +16,7 @@ use floorguard_types::time::Stamp;
 use super::course::Course;
 use super::exploring::Exploring;
 use super::goal_search::GoalSearch;
+use super::goals::DriveOrders;
 use super::guard_model::{GuardModel, place_of};
 use super::maps::Maps;
 use super::model::{Model, PERIOD_S, times_of};
@@ -83,6 +84,8 @@ pub struct Navigator {
     pub(super) next_report_s: f32,
     pub(super) next_costmap_s: f32,
     pub(super) reported: Option<(NavigationPhase, bool)>,
+    pub(super) orders: Option<DriveOrders>,
+    pub(super) goal_number: u32,
 }
 
 impl Navigator {
@@ -91,7 +94,7 @@ impl Navigator {
     /// # Errors
     /// The map has no floor for this robot, or is too large.
     pub fn new(setup: &NavigationSetup, robot: &RobotConfiguration) -> anyhow::Result<Self> {
-        let NavigationSetup { plan, watch, survey, space } = setup;
+        let NavigationSetup { plan, watch, survey, space, orders } = setup;
         let map = plan.occupancy()?;
         let model = Model::of(robot, &plan.settings, map.geometry().resolution_m().max(0.05))?;
         let mut maps = Maps::new(&map, &model.inflation, plan)?;
@@ -112,7 +115,7 @@ impl Navigator {
             recovery: Recovery::new(times_of(&plan.settings)),
             trail: Trail::default(),
             back: Vec::new(),
-            phase: NavigationPhase::Starting,
+            phase: if orders.is_some() { NavigationPhase::Waiting } else { NavigationPhase::Starting },
             failure: None,
             // A map that is empty proves nothing.
             is_proved: plan.explores,
@@ -135,6 +138,8 @@ impl Navigator {
             next_report_s: 0.0,
             next_costmap_s: 0.0,
             reported: None,
+            orders: orders.clone(),
+            goal_number: 0,
         })
     }
 
@@ -321,7 +326,7 @@ impl Navigator {
         let pose = self.senses.pose();
         self.maps.stand_on(&self.model.outline, pose);
         self.choose_goal(pose, now_s);
-        if self.has_arrived(pose) || self.phase.has_ended() {
+        if self.has_arrived(pose) || self.phase.stands() {
             return Twist2::ZERO;
         }
         if self.back.is_empty() {
@@ -367,6 +372,7 @@ impl Mission for Navigator {
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
         let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);
         self.senses.remember(moment.pose);
+        self.take_orders();
         if let Some(people) = moment.people {
             self.senses.see_people(people, (moment.now, now_s));
         }
@@ -383,7 +389,7 @@ impl Mission for Navigator {
         }
         self.notice_hold(moment.decision, lasted_s);
         self.lost_s = if self.senses.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
-        if moment.is_paused || self.phase.has_ended() {
+        if moment.is_paused || self.phase.stands() {
             self.requested = Twist2::ZERO;
         } else if now_s >= self.next_s {
             self.next_s = now_s + PERIOD_S - 0.001;

@@ -5,6 +5,7 @@ mod course;
 mod drive;
 mod exploring;
 mod goal_search;
+mod goals;
 mod guard_model;
 mod maps;
 mod model;
@@ -20,6 +21,7 @@ mod steering;
 mod survey;
 
 pub use drive::Navigator;
+pub use goals::{DriveOrder, DriveOrders, OrderedGoal};
 pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
     CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch,

@@ -39,6 +39,13 @@ impl Place {
         }
     }
 
+    /// The robot is at `pose_in_map` now. A map that is made here keeps its own place.
+    pub(super) fn relocate(&mut self, pose_in_map: Pose2, in_odometry: Pose2) {
+        if let Self::Known(known) = self {
+            known.1.relocate(pose_in_map, in_odometry);
+        }
+    }
+
     /// The pose explains what the scanner sees. A map that is made here agrees with its scans by the way it is made.
     pub(super) fn is_trusted(&self) -> bool {
         match self {

@@ -17,6 +17,8 @@ pub enum NavigationPhase {
     /// The pose or the first plan is missing.
     #[default]
     Starting,
+    /// It stands until somebody outside orders a goal.
+    Waiting,
     /// On the way, standing or not.
     Driving,
     /// At the goal.
@@ -35,6 +37,7 @@ impl NavigationPhase {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Starting => "starting",
+            Self::Waiting => "waiting",
             Self::Driving => "driving",
             Self::Reached => "reached",
             Self::Explored => "explored",
@@ -47,6 +50,12 @@ impl NavigationPhase {
     #[must_use]
     pub const fn is_over(self) -> bool {
         self.has_ended() || matches!(self, Self::NeedsHelp)
+    }
+
+    /// The robot has no reason to move.
+    #[must_use]
+    pub const fn stands(self) -> bool {
+        self.has_ended() || matches!(self, Self::Waiting)
     }
 
     /// The robot drives no more. One that needs help goes on trying.
@@ -87,12 +96,18 @@ pub struct NavigationProgress {
     pub phase: NavigationPhase,
     /// In one sentence.
     pub words: String,
+    /// Somebody has paused it.
+    pub is_paused: bool,
     /// Why it stands, if it stands.
     pub standing: Option<StandingReason>,
     /// Where the odometry frame lies in the map frame, as believed now.
     pub odometry_in_map: Pose2,
     /// Where the robot is believed to be, map frame.
     pub pose_in_map: Pose2,
+    /// The pose explains what the scanner sees.
+    pub is_trusted: bool,
+    /// Number of the goal that somebody outside ordered; 0: none was.
+    pub goal_number: u32,
     /// Where it shall be, map frame.
     pub goal_in_map: Pose2,
     /// What is left of the path, map frame.

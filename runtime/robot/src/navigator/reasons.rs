@@ -22,7 +22,7 @@ pub enum StandingReason {
     Recovery(RecoveryStep),
     /// It is where a frontier is in sight, and waits for the scans that show more.
     Looking,
-    /// It is at its goal, or was given up.
+    /// It is at its goal, was given up, or waits for an order.
     Ended,
 }
 
@@ -60,7 +60,7 @@ impl Navigator {
         let is_asked = !is_standing(self.requested);
         match (self.phase, self.step) {
             _ if moment.is_paused => Some(StandingReason::Paused),
-            (phase, _) if phase.has_ended() => Some(StandingReason::Ended),
+            (phase, _) if phase.stands() => Some(StandingReason::Ended),
             (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
                 Some(StandingReason::Recovery(step))
             }

@@ -22,7 +22,7 @@ impl Navigator {
             self.next_costmap_s = now_s + COSTMAP_S;
             self.costmap = self.maps.window().map(|costmap| Arc::new(picture(costmap)));
         }
-        let state = Some((self.phase, self.standing.is_some()));
+        let state = Some((self.phase, self.standing.is_some() || moment.is_paused));
         if now_s >= self.next_report_s || self.reported != state {
             self.next_report_s = now_s + PROGRESS_S;
             self.reported = state;
@@ -37,9 +37,12 @@ impl Navigator {
             stamp: moment.now,
             phase: self.phase,
             words: self.words(left_m),
+            is_paused: moment.is_paused,
             standing: self.standing,
             odometry_in_map: self.senses.odometry_in_map(),
             pose_in_map: self.senses.pose(),
+            is_trusted: self.senses.is_trusted(),
+            goal_number: self.goal_number,
             goal_in_map: self.plan.goal_pose(),
             path: self.course.rest().iter().map(Waypoint::place_in_map).collect(),
             left_m,
@@ -56,6 +59,7 @@ impl Navigator {
             (NavigationPhase::Explored, ..) => {
                 self.exploring.as_ref().map(Exploring::words).unwrap_or_default()
             }
+            (NavigationPhase::Waiting, ..) => "waits for an order".to_owned(),
             (NavigationPhase::Reached, ..) => "the goal is reached".to_owned(),
             (NavigationPhase::Unreachable, Some(failure), _) => format!("{failure}, by the map alone"),
             (_, _, Some(standing)) => standing.to_string(),

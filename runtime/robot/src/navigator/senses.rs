@@ -91,6 +91,11 @@ impl Senses {
         self.odometry
     }
 
+    /// The robot stands here, map frame, as somebody outside says.
+    pub(super) fn relocate(&mut self, pose_in_map: Pose2) {
+        self.place.relocate(pose_in_map, self.odometry.pose_in_odometry);
+    }
+
     /// The pose explains what the scanner sees.
     pub(super) fn is_trusted(&self) -> bool {
         self.place.is_trusted()

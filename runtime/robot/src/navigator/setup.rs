@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::drive::Navigator;
+use super::goals::DriveOrders;
 use super::plan::NavigationPlan;
 use super::progress::SharedNavigationWatch;
 use super::space_inbox::SpaceInbox;
@@ -22,6 +23,8 @@ pub struct NavigationSetup {
     pub survey: Option<SharedSurvey>,
     /// Where it gets what the lidar sees above the floor.
     pub space: SpaceInbox,
+    /// Somebody outside orders the goals; the plan's own is not driven to.
+    pub orders: Option<DriveOrders>,
 }
 
 impl fmt::Debug for NavigationSetup {
@@ -35,7 +38,19 @@ impl NavigationSetup {
     #[must_use]
     pub fn new(plan: NavigationPlan) -> Self {
         let survey = plan.explores.then(|| Arc::new(Mutex::new(Survey::new(plan.start_pose()))));
-        Self { plan, watch: SharedNavigationWatch::default(), survey, space: SpaceInbox::default() }
+        Self { plan, watch: SharedNavigationWatch::default(), survey, space: SpaceInbox::default(), orders: None }
+    }
+
+    /// The same, with goals that somebody outside orders.
+    #[must_use]
+    pub fn ordered_by(self, orders: Option<DriveOrders>) -> Self {
+        Self { orders, ..self }
+    }
+
+    /// A run ends with the drive: nobody orders another.
+    #[must_use]
+    pub fn ends_run(&self) -> bool {
+        self.orders.is_none()
     }
 
     /// The drive of a robot.

@@ -101,6 +101,14 @@ impl Localiser {
         self.mean_at_update.compose(self.odometry_at_update.inverse().compose(odometry))
     }
 
+    /// Begins anew around a pose that somebody gave (5 cm, 3°).
+    pub fn relocate(&mut self, pose_in_map: Pose2, odometry: Pose2) {
+        self.belief.place(pose_in_map, PoseDeviation { position_m: 0.05, heading_rad: 0.052 });
+        (self.mean_at_update, self.odometry_at_update) = (pose_in_map, odometry);
+        self.hits_since_update = 0;
+        self.is_silent_since_update = false;
+    }
+
     /// Collects what a step brought.
     pub fn collect(&mut self, dirt_hits: u32, is_silent: bool) {
         self.hits_since_update = self.hits_since_update.saturating_add(dirt_hits);

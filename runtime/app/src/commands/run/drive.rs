@@ -32,15 +32,16 @@ impl Watch<'_> {
         if reported == drive.reported {
             return;
         }
+        let is_last = drive.setup.ends_run();
         let Some(progress) = drive.setup.watch.get() else { return };
         notes.navigation(&progress);
-        if elapsed_s >= drive.next_word_s || progress.phase.is_over() {
+        if elapsed_s >= drive.next_word_s || (is_last && progress.phase.is_over()) {
             drive.next_word_s = elapsed_s + WORD_S;
             let line = json!({"type": "drive", "time_s": elapsed_s, "phase": progress.phase.name(),
                 "text": progress.words, "left_m": progress.left_m, "distance_m": progress.distance_m});
             self.note_drive(&line, &progress.words);
         }
-        if progress.phase.is_over() {
+        if is_last && progress.phase.is_over() {
             flag.stop();
         }
     }

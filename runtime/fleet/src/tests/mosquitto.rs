@@ -1,0 +1,206 @@
+//! With Debian's Mosquitto, which nobody here wrote: last will, retained messages, a broker that is killed.
+
+use std::net::TcpListener;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rumqttc::{Client, Event, Incoming, MqttOptions, QoS};
+use serde_json::{Value, json};
+
+use super::orders::{instant, order, vehicle};
+use crate::broker::{BrokerAddress, FleetLink};
+use crate::vehicle::{VehicleCommand, VehicleMoment, VehiclePose};
+
+const PROGRAM: &str = "/usr/sbin/mosquitto";
+/// No step takes longer where it works.
+const PATIENCE: Duration = Duration::from_secs(15);
+
+/// A broker on a free port; it keeps what waits on the disk.
+struct Broker {
+    child: Child,
+    file: PathBuf,
+    port: u16,
+}
+
+impl Broker {
+    /// `None` where there is no Mosquitto.
+    fn start(folder: &Path) -> Option<Self> {
+        if !Path::new(PROGRAM).exists() {
+            eprintln!("skipped: there is no {PROGRAM}; apt-get install mosquitto");
+            return None;
+        }
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let file = folder.join("mosquitto.conf");
+        let kept = folder.display();
+        let text = format!(
+            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {kept}/\n\
+             autosave_interval 1\nuser root\nlog_type error\n"
+        );
+        std::fs::write(&file, text).unwrap();
+        Some(Self { child: spawn(&file), file, port })
+    }
+
+    /// Killed in order, so that it writes what it keeps, and started again.
+    fn restart(&mut self, away: Duration) {
+        let pid = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+        self.child.wait().unwrap();
+        thread::sleep(away);
+        self.child = spawn(&self.file);
+    }
+
+    fn address(&self) -> BrokerAddress {
+        BrokerAddress { host: "127.0.0.1".to_owned(), port: self.port, ..BrokerAddress::default() }
+    }
+}
+
+fn spawn(file: &Path) -> Child {
+    let mut command = Command::new(PROGRAM);
+    command.arg("-c").arg(file).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().expect("mosquitto starts")
+}
+
+impl Drop for Broker {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A master: it sends, and hears everything.
+struct Master {
+    client: Client,
+    heard: Receiver<(String, Value)>,
+}
+
+impl Master {
+    fn join(port: u16) -> Self {
+        let mut options = MqttOptions::new("master", "127.0.0.1", port);
+        options.set_clean_session(false).set_keep_alive(Duration::from_secs(5));
+        let (client, mut connection) = Client::new(options, 64);
+        let (sender, heard) = channel();
+        let listener = client.clone();
+        thread::spawn(move || {
+            for event in connection.iter() {
+                match event {
+                    Ok(Event::Incoming(Incoming::ConnAck(_))) => {
+                        _ = listener.try_subscribe("uagv/v2/#", QoS::AtLeastOnce);
+                    }
+                    Ok(Event::Incoming(Incoming::Publish(message))) => {
+                        let name = message.topic.rsplit('/').next().unwrap_or_default().to_owned();
+                        let value = serde_json::from_slice(&message.payload).unwrap_or_default();
+                        if sender.send((name, value)).is_err() {
+                            return;
+                        }
+                    }
+                    Ok(_) => {}
+                    Err(_) => thread::sleep(Duration::from_millis(50)),
+                }
+            }
+        });
+        Self { client, heard }
+    }
+
+    fn send(&self, topic: &str, message: &Value) {
+        let name = format!("uagv/v2/floorguard/7/{topic}");
+        self.client.publish(name, QoS::AtLeastOnce, false, message.to_string()).unwrap();
+    }
+
+    /// Waits for a message with something, while a robot goes on.
+    fn until(&self, robot: &mut Robot, topic: &str, is_it: impl Fn(&Value) -> bool) -> Value {
+        let began = Instant::now();
+        while began.elapsed() < PATIENCE {
+            robot.step();
+            if let Ok((name, value)) = self.heard.recv_timeout(Duration::from_millis(10)) {
+                robot.states.extend((name == "state").then(|| value.clone()));
+                if name == topic && is_it(&value) {
+                    return value;
+                }
+            }
+        }
+        panic!("no such message on {topic}");
+    }
+}
+
+/// A robot that drives at once.
+struct Robot {
+    link: Option<FleetLink>,
+    moment: VehicleMoment,
+    began: Instant,
+    places: Vec<f64>,
+    states: Vec<Value>,
+}
+
+impl Robot {
+    fn new(broker: &Broker, folder: &Path) -> Self {
+        let link = FleetLink::open(vehicle("7"), &broker.address(), Some(folder.join("fleet"))).unwrap();
+        let pose = Some(VehiclePose::default());
+        let moment =
+            VehicleMoment { pose, is_automatic: true, is_localised: true, ..VehicleMoment::default() };
+        Self { link: Some(link), moment, began: Instant::now(), places: Vec::new(), states: Vec::new() }
+    }
+
+    fn step(&mut self) {
+        self.moment.now_s = self.began.elapsed().as_secs_f64();
+        let commands = self.link.as_mut().map(|link| link.attend(self.moment.clone())).unwrap_or_default();
+        for command in commands {
+            match command {
+                VehicleCommand::Goto(place) => {
+                    self.places.push(place.pose.x_m);
+                    (self.moment.pose, self.moment.reached) = (Some(place.pose), Some(place.number));
+                }
+                VehicleCommand::Pause => self.moment.is_paused = true,
+                VehicleCommand::Resume => self.moment.is_paused = false,
+                _ => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn order_survives_broker_restarts() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(mut broker) = Broker::start(folder.path()) else { return };
+    let mut robot = Robot::new(&broker, folder.path());
+    let master = Master::join(broker.port);
+    master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+    master.send("instantActions", &instant("factsheetRequest", "f", json!([])));
+    let sheet = master.until(&mut robot, "factsheet", |_| true);
+    assert_eq!(sheet["protocolFeatures"]["agvActions"].as_array().unwrap().len(), 8);
+    master.send("order", &order("a", 0, (0, 3, 0)));
+    master.until(&mut robot, "state", |state| state["lastNodeId"] == "n2");
+    // While the broker is away the robot is paused and goes on: the master hears of both.
+    let pid = broker.child.id();
+    assert!(pid > 0);
+    let away = thread::spawn(move || {
+        broker.restart(Duration::from_millis(200));
+        broker
+    });
+    for paused in [false, true, false, true] {
+        robot.moment.is_paused = paused;
+        for _ in 0..12 {
+            robot.step();
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+    let broker = away.join().unwrap();
+    let before = robot.states.len();
+    robot.moment.is_paused = false;
+    master
+        .until(&mut robot, "state", |state| state["paused"] == false && state["headerId"].as_u64() > Some(0));
+    master.send("order", &order("a", 1, (4, 3, 0)));
+    master.until(&mut robot, "state", |state| state["lastNodeId"] == "n4");
+    assert_eq!(robot.places, [1.0, 2.0, 3.0, 4.0], "each node once");
+    let paused = robot.states[before..].iter().filter(|state| state["paused"] == true).count();
+    assert!(paused >= 1, "what happened while the broker was away arrived");
+    let mut headers: Vec<u64> = robot.states.iter().filter_map(|state| state["headerId"].as_u64()).collect();
+    headers.dedup();
+    let missing = headers.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
+    assert_eq!(missing, 0, "no state is lost: {headers:?}");
+    drop(robot.link.take());
+    master.until(&mut robot, "connection", |value| value["connectionState"] == "OFFLINE");
+    drop(broker);
+}
