@@ -31,8 +31,12 @@ pub struct LocaliseConfig {
     pub query_points: usize,
     /// Mean value of the returns at a place that counts, 0 to 1.
     pub score_least: f32,
-    /// The second best place must lose at least so many times what the best loses.
-    pub loss_ratio: f32,
+    /// A place needs this much support of the scans, at most 1: returns on walls for it, beams through walls against it...
+    pub support_least: f64,
+    /// ... and so much more than the second best place,
+    pub support_margin: f64,
+    /// or so much divided by the metres that the scans of a search cover, if that is more.
+    pub margin_metres: f64,
     /// Share of beams, at most, that went through a wall of the map.
     pub through_most: f64,
     /// Two searches agree within this distance, metres, and turn, radians.
@@ -55,16 +59,18 @@ impl Default for LocaliseConfig {
             front_end: FrontEndConfig::default(),
             cell_m: 0.1,
             reach_m: 0.3,
-            turn_step_rad: 0.02,
+            turn_step_rad: 0.025,
             first_path_m: 2.0,
             next_path_m: 1.0,
-            patience: 1.3,
-            next_path_most_m: 4.0,
-            confirm_path_m: 2.0,
-            query_path_m: 8.0,
+            patience: 1.1,
+            next_path_most_m: 2.0,
+            confirm_path_m: 1.5,
+            query_path_m: 14.0,
             query_points: 250,
-            score_least: 0.5,
-            loss_ratio: 1.25,
+            score_least: 0.4,
+            support_least: 0.25,
+            support_margin: 0.06,
+            margin_metres: 0.3,
             through_most: 0.15,
             agree: (0.4, 0.15),
             doubt_below: 0.4,

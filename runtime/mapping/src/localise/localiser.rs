@@ -59,8 +59,7 @@ pub struct LocaliserStatistics {
 struct Hypothesis {
     /// Path at the first of them, metres.
     since_m: f64,
-    node: usize,
-    pose: Se2,
+    tracking_in_map: Se2,
 }
 
 /// The followed place: the frame of the tracking in the map.
@@ -96,7 +95,7 @@ impl Localiser {
             tracker: Tracker::new(config.front_end),
             config,
             map,
-            searcher: Searcher::new(),
+            searcher: Searcher::default(),
             followed: None,
             hypothesis: None,
             since: 0,
@@ -177,6 +176,7 @@ impl Localiser {
         self.statistics.lost += 1;
         self.followed = None;
         self.hypothesis = None;
+        self.searcher = Searcher::default();
         self.since = self.tracker.nodes.len().saturating_sub(1);
         self.path_m = 0.0;
         self.searched_m = None;
@@ -193,7 +193,7 @@ impl Localiser {
         let Some(query) = Query::new(nodes, self.since, &self.config) else { return };
         self.statistics.searches += 1;
         let answer = self.searcher.search(&self.map, nodes, &query, &self.config);
-        let SearchAnswer::Alone(pose) = answer else {
+        let SearchAnswer::Alone(tracking_in_map) = answer else {
             let statistics = &mut self.statistics;
             let count = match answer {
                 SearchAnswer::Nowhere => &mut statistics.nowhere,
@@ -206,18 +206,18 @@ impl Localiser {
             return;
         };
         self.next_path_m = self.config.next_path_m;
-        let node = nodes.len() - 1;
         let (distance_m, turn_rad) = self.config.agree;
         let agreeing = self.hypothesis.filter(|before| {
-            let away = before.pose.compose(nodes[before.node].pose.between(nodes[node].pose)).between(pose);
+            let last = nodes.last().map(|node| node.pose).unwrap_or_default();
+            let away = before.tracking_in_map.compose(last).between(tracking_in_map.compose(last));
             away.length_m() <= distance_m && away.heading_rad.abs() <= turn_rad
         });
         let since_m = agreeing.map_or(self.path_m, |before| before.since_m);
-        self.hypothesis = Some(Hypothesis { since_m, node, pose });
+        self.hypothesis = Some(Hypothesis { since_m, tracking_in_map });
         if self.path_m - since_m >= self.config.confirm_path_m {
-            let tracking_in_map = pose.compose(nodes[node].pose.inverse());
             self.followed = Some(Followed { tracking_in_map, scores: VecDeque::new() });
             self.hypothesis = None;
+            self.searcher = Searcher::default();
             self.statistics.found += 1;
         }
     }

@@ -6,8 +6,10 @@
 mod config;
 mod known_map;
 mod localiser;
+mod places;
 mod query;
 mod searching;
+mod support;
 
 pub use config::LocaliseConfig;
 pub use known_map::KnownMap;
