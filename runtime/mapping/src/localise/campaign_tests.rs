@@ -11,21 +11,21 @@ use crate::input::ScanRecord;
 use crate::se2::{Se2, wrap};
 
 /// A linear congruential generator (Knuth 1998, section 3.3.4).
-struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
-    fn new(seed: u64) -> Self {
+    pub(super) fn new(seed: u64) -> Self {
         let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         (0..4).for_each(|_| _ = random.within(0.0, 1.0));
         random
     }
 
-    fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn within(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.within(0.0, 1.0)).sum::<f64>() - 6.0
     }
 }
@@ -33,7 +33,7 @@ impl Random {
 const CELL_M: f64 = 0.05;
 const RANGE_M: f64 = 30.0;
 const BEAMS: usize = 541;
-const STEP_S: f64 = 0.1;
+pub(super) const STEP_S: f64 = 0.1;
 const SPEED_MPS: f64 = 0.8;
 const TURN_RADPS: f64 = 0.9;
 /// A drive: within ten seconds of driving it should be found, within thirty it must.
@@ -41,25 +41,25 @@ const DRIVE_S: f64 = 30.0;
 /// A place that was found is watched for so long.
 const WATCHED_S: f64 = 8.0;
 /// A place is wrong beyond this.
-const WRONG: (f64, f64) = (0.5, 0.2);
+pub(super) const WRONG: (f64, f64) = (0.5, 0.2);
 
 /// Lower and upper corner of something that stands on the floor.
 type Cuboid = [[f64; 2]; 2];
 
 #[derive(Clone)]
-struct World {
+pub(super) struct World {
     columns: usize,
     rows: usize,
     solid: Vec<bool>,
 }
 
 impl World {
-    fn new(width_m: f64, height_m: f64) -> Self {
+    pub(super) fn new(width_m: f64, height_m: f64) -> Self {
         let (columns, rows) = ((width_m / CELL_M) as usize, (height_m / CELL_M) as usize);
         Self { columns, rows, solid: vec![false; columns * rows] }
     }
 
-    fn draw(&mut self, [low, high]: Cuboid) {
+    pub(super) fn draw(&mut self, [low, high]: Cuboid) {
         let cell = |value: f64, count: usize| ((value / CELL_M) as usize).min(count - 1);
         for row in cell(low[1], self.rows)..=cell(high[1], self.rows) {
             for column in cell(low[0], self.columns)..=cell(high[0], self.columns) {
@@ -74,7 +74,7 @@ impl World {
         !inside || self.solid[row as usize * self.columns + column as usize]
     }
 
-    fn range_m(&self, from: [f64; 2], angle: f64) -> f64 {
+    pub(super) fn range_m(&self, from: [f64; 2], angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let steps = (RANGE_M / 0.025) as usize;
         let hit = (0..steps).find(|step| {
@@ -88,7 +88,7 @@ impl World {
         (0..24).map(|step| self.range_m(place, f64::from(step) * PI / 12.0)).fold(f64::INFINITY, f64::min)
     }
 
-    fn map(&self) -> GridMap {
+    pub(super) fn map(&self) -> GridMap {
         let state = |solid: &bool| if *solid { Occupancy::Occupied } else { Occupancy::Free };
         GridMap {
             columns: self.columns,
@@ -101,14 +101,14 @@ impl World {
 }
 
 /// Walls, and furniture that may be moved.
-struct Building {
-    walls: World,
-    furniture: Vec<Cuboid>,
+pub(super) struct Building {
+    pub(super) walls: World,
+    pub(super) furniture: Vec<Cuboid>,
 }
 
 impl Building {
     /// A corridor with rooms to both sides, each with a door and furniture.
-    fn random(random: &mut Random) -> Self {
+    pub(super) fn random(random: &mut Random) -> Self {
         let (width, height) = (random.within(22.0, 38.0), random.within(15.0, 24.0));
         let mut walls = World::new(width, height);
         let middle = 0.5 * height;
@@ -142,7 +142,7 @@ impl Building {
         Self { walls, furniture }
     }
 
-    fn with(&self, furniture: &[Cuboid]) -> World {
+    pub(super) fn with(&self, furniture: &[Cuboid]) -> World {
         let mut world = self.walls.clone();
         furniture.iter().for_each(|each| world.draw(*each));
         world
@@ -150,7 +150,7 @@ impl Building {
 }
 
 /// Ahead until something is near, then towards where there is most room.
-fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
+pub(super) fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
     let start = (0..400).find_map(|_| {
         let place = [
             random.within(0.5, world.columns as f64 * CELL_M - 0.5),
@@ -187,12 +187,12 @@ fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
 }
 
 /// Angles of the beams in the scanner's frame.
-fn beam_rad(beam: usize) -> f64 {
+pub(super) fn beam_rad(beam: usize) -> f64 {
     (0.5 * beam as f64 - 135.0).to_radians()
 }
 
 /// Every so manyth beam.
-fn scan(world: &World, pose: &Se2, each: usize) -> Vec<f64> {
+pub(super) fn scan(world: &World, pose: &Se2, each: usize) -> Vec<f64> {
     (0..BEAMS)
         .step_by(each)
         .map(|beam| world.range_m([pose.x_m, pose.y_m], pose.heading_rad + beam_rad(beam)))

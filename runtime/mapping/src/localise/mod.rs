@@ -4,6 +4,7 @@
 //! counts once it stands alone, is not contradicted by what the scans saw through, and the searches of two metres agree.
 
 mod config;
+mod freshness;
 mod known_map;
 mod localiser;
 mod places;
@@ -18,3 +19,6 @@ pub use localiser::{Belief, Localiser, LocaliserStatistics, Located};
 #[cfg(test)]
 #[path = "campaign_tests.rs"]
 mod campaign;
+#[cfg(test)]
+#[path = "failure_tests.rs"]
+mod failures;

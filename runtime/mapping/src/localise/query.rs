@@ -21,11 +21,11 @@ pub struct Query {
 }
 
 impl Query {
-    /// From the last scans; those before `since` belong to another place.
-    pub fn new(nodes: &[Node], since: usize, config: &LocaliseConfig) -> Option<Self> {
+    /// From the last scans.
+    pub fn new(nodes: &[Node], config: &LocaliseConfig) -> Option<Self> {
         let last = nodes.last()?;
         let (mut first, mut path_m) = (nodes.len() - 1, 0.0);
-        while first > since && path_m < config.query_path_m {
+        while first > 0 && path_m < config.query_path_m {
             let step = nodes[first - 1].pose.between(nodes[first].pose);
             path_m += step.length_m() + step.heading_rad.abs();
             first -= 1;

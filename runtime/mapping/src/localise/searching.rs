@@ -34,12 +34,36 @@ const ASKED_SCANS: usize = 24;
 const ASKED_BEAMS: usize = 60;
 
 /// A place that is possible.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Hypothesis {
     tracking_in_map: Se2,
     support: f64,
     through_share: f64,
+    /// Support of each scan that was asked: the same scans for all places.
+    of_scans: Vec<f64>,
 }
+
+impl Hypothesis {
+    /// Whether another place is clearly worse: by far on the whole, or by less but scan after scan. The scans of a metre and a
+    /// half see much the same and count once.
+    fn beats(&self, other: &Self, path_m: f64, config: &LocaliseConfig) -> bool {
+        let gap = self.support - other.support;
+        if gap >= config.support_margin.max(config.margin_metres / path_m.max(1.0)) {
+            return true;
+        }
+        let gaps = self.of_scans.iter().zip(&other.of_scans).map(|(here, there)| here - there);
+        let count = self.of_scans.len().min(other.of_scans.len()).max(2) as f64;
+        let mean = gaps.clone().sum::<f64>() / count;
+        let variance = gaps.map(|gap| (gap - mean) * (gap - mean)).sum::<f64>() / (count - 1.0);
+        let independent = (path_m / INDEPENDENT_M).min(count);
+        let deviation = (variance / independent.max(1.0)).sqrt().max(1.0e-6);
+        independent >= INDEPENDENT_LEAST && gap >= config.steady_margin && mean >= config.sigmas * deviation
+    }
+}
+
+/// Path over which scans see much the same, metres, and how many such pieces a comparison scan by scan needs.
+const INDEPENDENT_M: f64 = 1.5;
+const INDEPENDENT_LEAST: f64 = 3.0;
 
 /// The possible places.
 #[derive(Default)]
@@ -70,11 +94,14 @@ impl Searcher {
             }
         }
         let judged = poses.into_iter().map(|pose| {
-            let support = support_of(map, nodes, query, pose);
+            let of_scans = support_of(map, nodes, query, pose);
+            let mut whole = Support::default();
+            of_scans.iter().for_each(|scan| whole.join(scan));
             Hypothesis {
                 tracking_in_map: pose.compose(last.pose.inverse()),
-                support: support.value(),
-                through_share: support.through_share(),
+                support: whole.value(),
+                through_share: whole.through_share(),
+                of_scans: of_scans.iter().map(Support::value).collect(),
             }
         });
         self.hypotheses = judged.collect();
@@ -96,9 +123,7 @@ impl Searcher {
             let away = place(best).between(place(other));
             away.length_m() > ANOTHER.0 || away.heading_rad.abs() > ANOTHER.1
         };
-        let second = self.hypotheses.iter().find(is_other).map_or(f64::NEG_INFINITY, |second| second.support);
-        let margin = config.support_margin.max(config.margin_metres / path_m.max(1.0));
-        if second > best.support - margin {
+        if self.hypotheses.iter().filter(is_other).any(|other| !best.beats(other, path_m, config)) {
             return SearchAnswer::Ambiguous;
         }
         SearchAnswer::Alone(best.tracking_in_map)
@@ -111,14 +136,16 @@ fn refined(map: &KnownMap, query: &Query, pose: Se2, config: &LocaliseConfig) ->
     refine(&map.levels()[0], &query.points, &guess, &config.descent).pose.into()
 }
 
-/// What the scans of a query say, with the last one at `pose`.
-fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> Support {
-    let mut support = Support::default();
-    let Some(last) = nodes.last() else { return support };
+/// What each of the scans of a query says, with the last one at `pose`.
+fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> Vec<Support> {
+    let Some(last) = nodes.last() else { return Vec::new() };
     let scans = &nodes[query.first..];
-    for node in scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1)) {
+    let asked = scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1));
+    let support = |node: &Node| {
+        let mut support = Support::default();
         let place = pose.compose(last.pose.between(node.pose));
         support.add(map, (place, &node.points), ASKED_BEAMS);
-    }
-    support
+        support
+    };
+    asked.map(support).collect()
 }

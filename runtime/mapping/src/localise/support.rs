@@ -36,6 +36,14 @@ impl Support {
         }
     }
 
+    /// Adds other beams.
+    pub fn join(&mut self, other: &Self) {
+        self.beams += other.beams;
+        self.near += other.near;
+        self.through += other.through;
+        self.short += other.short;
+    }
+
     /// The balance, at most 1.
     pub fn value(&self) -> f64 {
         let against = THROUGH_COST * self.through as f64 + SHORT_COST * self.short as f64;
