@@ -109,6 +109,7 @@ pub struct Localiser {
     unknown_since_s: Option<f64>,
     freshness: Freshness,
     last: Located,
+    best_support: f64,
     /// What the searches came to.
     pub statistics: LocaliserStatistics,
 }
@@ -131,6 +132,7 @@ impl Localiser {
             unknown_since_s: None,
             freshness: Freshness::default(),
             last: Located::default(),
+            best_support: f64::NEG_INFINITY,
             statistics: LocaliserStatistics::default(),
         }
     }
@@ -156,6 +158,19 @@ impl Localiser {
             since_s.is_some_and(|since_s| record.time_s - since_s > self.config.help_after_s);
         self.last = located;
         located
+    }
+
+    /// Forgets the place and the drive; the map stays.
+    pub fn reset(&mut self) {
+        self.lose();
+        self.last = Located::default();
+        self.best_support = f64::NEG_INFINITY;
+    }
+
+    /// Support of the best place at the last search, at most 1; −∞ before any.
+    #[must_use]
+    pub const fn best_support(&self) -> f64 {
+        self.best_support
     }
 
     fn locate(&mut self, record: &ScanRecord) -> Located {
@@ -273,6 +288,7 @@ impl Localiser {
         let Some(query) = Query::new(nodes, &self.config) else { return };
         self.statistics.searches += 1;
         let answer = self.searcher.search(&self.map, nodes, &query, &self.config);
+        self.best_support = self.searcher.best_support();
         let SearchAnswer::Alone(tracking_in_map) = answer else {
             let statistics = &mut self.statistics;
             let count = match answer {

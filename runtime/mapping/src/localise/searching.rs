@@ -128,6 +128,11 @@ impl Searcher {
         }
         SearchAnswer::Alone(best.tracking_in_map)
     }
+
+    /// Support of the best place.
+    pub fn best_support(&self) -> f64 {
+        self.hypotheses.first().map_or(f64::NEG_INFINITY, |best| best.support)
+    }
 }
 
 fn refined(map: &KnownMap, query: &Query, pose: Se2, config: &LocaliseConfig) -> Se2 {
