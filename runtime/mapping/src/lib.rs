@@ -16,6 +16,7 @@ pub mod metrics;
 pub mod output;
 pub mod pose_graph;
 pub mod refine;
+mod saved;
 mod se2;
 mod turn;
 

@@ -46,7 +46,8 @@ pub struct MapArguments {
     /// are the parts of one drive, in their order.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// The folder of the map; a former map in it is replaced once the new one is whole.
+    /// The folder of the map; a former map in it is replaced once the new one is whole. A mapping that was interrupted goes on
+    /// when the same command is given again: its state lies beside the folder as `.NAME.resume`.
     #[arg(long, value_name = "DIR", required = true)]
     pub out: Option<PathBuf>,
     /// Map the recording of a lidar in space (.pcap, or .mcap with PointCloud2) and take people and what else moved out of it:
@@ -180,6 +181,14 @@ pub struct LocaliseArguments {
     /// A recording, bag or CARMEN log of a drive; several are its parts.
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
+    /// Another map in which the robot may be, as that of another floor. May be repeated; the answer names the map.
+    #[arg(long = "or", value_name = "MAP", conflicts_with = "update")]
+    pub others: Vec<PathBuf>,
+    /// Write the map with what has changed for good into this folder: what stood, or was gone, on three visits in a row at least
+    /// half an hour apart. Evidence that is not enough yet is kept there for the next drive. The folder may be that of the map, of
+    /// which then only the map and the evidence stay.
+    #[arg(long, value_name = "DIR")]
+    pub update: Option<PathBuf>,
     /// Which scans.
     #[command(flatten)]
     pub drive: DriveArguments,

@@ -12,6 +12,7 @@ use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::output::{OutputFile, check_place, map_files, replace_folder};
 
 use super::arguments::{MapArguments, MapTask};
+use super::checkpoint::Checkpoint;
 use super::clean::{CleanArguments, run as clean_map};
 use super::input::{Drive, ReadSummary};
 use super::progress::Progress;
@@ -39,7 +40,11 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
         front_end: FrontEndConfig { range_most_m: arguments.range_m as f32, ..FrontEndConfig::default() },
         ..MapConfig::default()
     };
-    let (mapper, read) = mapped(&drive, Mapper::new(config))?;
+    let (checkpoint, mapper) = Checkpoint::open(arguments, &out, &config);
+    if checkpoint.scans > 0 {
+        say!("goes on after {} of an interrupted mapping", counted(checkpoint.scans, "scan"));
+    }
+    let (mapper, read) = mapped(&drive, mapper, &checkpoint)?;
     let grid = GridMapConfig { cell_m: arguments.cell_m, ..GridMapConfig::default() };
     let map = grid_map(&mapper, &grid)?;
     let trajectory = robot_trajectory(&mapper, drive.scanner_in_robot);
@@ -51,14 +56,21 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
     files.push(OutputFile::new("summary.json", serde_json::to_string_pretty(&summary)? + "\n"));
     files.push(OutputFile::new("report.html", document(&summary, &names)));
     replace_folder(&out, &files).map_err(|error| BadInput(error.to_string()))?;
+    checkpoint.remove();
     conclude((arguments.json, &out), &summary, read.ended)
 }
 
-fn mapped(drive: &Drive, mut mapper: Mapper) -> anyhow::Result<(Mapper, ReadSummary)> {
+fn mapped(drive: &Drive, mut mapper: Mapper, checkpoint: &Checkpoint) -> anyhow::Result<(Mapper, ReadSummary)> {
     let progress = Progress::new(drive.scans);
     let unsolvable = |error: &dyn std::fmt::Display| BadInput(format!("the graph cannot be solved: {error}"));
+    let mut scans = 0_u64;
     let read = drive.read(&|| progress.count(), &mut |record| {
-        mapper.push(&record).map_err(|error| unsolvable(&error).into())
+        scans += 1;
+        if scans <= checkpoint.scans {
+            return Ok(());
+        }
+        mapper.push(&record).map_err(|error| unsolvable(&error))?;
+        Ok(checkpoint.keep(&mapper, scans)?)
     });
     progress.phase("aligning all scans");
     let finished = read.and_then(|read| {

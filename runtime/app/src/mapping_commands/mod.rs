@@ -3,6 +3,7 @@
 mod arguments;
 mod calibrate;
 mod camera_file;
+mod checkpoint;
 mod clean;
 #[cfg(feature = "detector")]
 mod detect;

@@ -4,6 +4,7 @@ mod between;
 mod config;
 mod local_map;
 mod node;
+mod saved;
 mod sequence;
 mod tracker;
 

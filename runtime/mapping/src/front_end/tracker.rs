@@ -28,19 +28,19 @@ pub struct Tracker {
     pub nodes: Vec<Node>,
     /// The scans between them.
     pub passages: Vec<Passage>,
-    maps: Vec<LocalMap>,
-    last_alone: Option<LastAlone>,
+    pub(super) maps: Vec<LocalMap>,
+    pub(super) last_alone: Option<LastAlone>,
     cells: Vec<CellOffset>,
     blocks: Vec<Candidate>,
 }
 
 /// The last scan without odometry.
 #[derive(Clone, Copy)]
-struct LastAlone {
-    time_s: f64,
-    pose: Se2,
+pub(super) struct LastAlone {
+    pub(super) time_s: f64,
+    pub(super) pose: Se2,
     /// Motion a second, in the scanner's frame.
-    speed: Se2,
+    pub(super) speed: Se2,
 }
 
 /// Blocks that a search of the tracking can keep.

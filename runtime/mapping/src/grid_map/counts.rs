@@ -61,6 +61,24 @@ impl CountGrid {
         }
     }
 
+    /// Enters the way of a beam whose end is judged apart: passes from cell to cell, the last one with them.
+    pub fn pass(&mut self, from: [i32; 2], to: [i32; 2]) {
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let steps = dx.abs().max(dy.abs());
+        for at in 0..=steps {
+            let part = |first: i32, way: i32| {
+                first + (f64::from(way) * f64::from(at) / f64::from(steps.max(1))).round() as i32
+            };
+            let (x, y) = (part(from[0], dx), part(from[1], dy));
+            let new = || vec![CellCounts::default(); TILE_CELLS].into_boxed_slice();
+            let tile = self.tiles.entry((x.div_euclid(TILE), y.div_euclid(TILE))).or_insert_with(new);
+            let index = (y.rem_euclid(TILE) * TILE + x.rem_euclid(TILE)) as usize;
+            if let Some(cell) = tile.get_mut(index) {
+                cell.passes = cell.passes.saturating_add(1);
+            }
+        }
+    }
+
     /// The counts of a cell.
     #[must_use]
     pub fn at(&self, [x, y]: [i32; 2]) -> CellCounts {

@@ -11,21 +11,21 @@ use crate::input::ScanRecord;
 use crate::se2::{Se2, wrap};
 
 /// A linear congruential generator (Knuth 1998, section 3.3.4).
-struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
-    fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         (0..4).for_each(|_| _ = random.within(0.0, 1.0));
         random
     }
 
-    fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.within(0.0, 1.0)).sum::<f64>() - 6.0
     }
 }
@@ -33,7 +33,7 @@ impl Random {
 const CELL_M: f64 = 0.05;
 const RANGE_M: f64 = 30.0;
 const BEAMS: usize = 541;
-const STEP_S: f64 = 0.1;
+pub(crate) const STEP_S: f64 = 0.1;
 const SPEED_MPS: f64 = 0.8;
 const TURN_RADPS: f64 = 0.9;
 /// A drive: within ten seconds of driving it should be found, within thirty it must.
@@ -41,29 +41,34 @@ const DRIVE_S: f64 = 30.0;
 /// A place that was found is watched for so long.
 const WATCHED_S: f64 = 8.0;
 /// A place is wrong beyond this.
-const WRONG: (f64, f64) = (0.5, 0.2);
+pub(crate) const WRONG: (f64, f64) = (0.5, 0.2);
 
 /// Lower and upper corner of something that stands on the floor.
 type Cuboid = [[f64; 2]; 2];
 
 #[derive(Clone)]
-struct World {
+pub(crate) struct World {
     columns: usize,
     rows: usize,
     solid: Vec<bool>,
+    /// Squares of eight cells that are solid somewhere, or beside such a one.
+    near: Vec<bool>,
 }
 
 impl World {
-    fn new(width_m: f64, height_m: f64) -> Self {
+    pub(crate) fn new(width_m: f64, height_m: f64) -> Self {
         let (columns, rows) = ((width_m / CELL_M) as usize, (height_m / CELL_M) as usize);
-        Self { columns, rows, solid: vec![false; columns * rows] }
+        Self { columns, rows, solid: vec![false; columns * rows], near: vec![false; (columns / 8 + 3) * (rows / 8 + 3)] }
     }
 
-    fn draw(&mut self, [low, high]: Cuboid) {
+    pub(crate) fn draw(&mut self, [low, high]: Cuboid) {
         let cell = |value: f64, count: usize| ((value / CELL_M) as usize).min(count - 1);
         for row in cell(low[1], self.rows)..=cell(high[1], self.rows) {
             for column in cell(low[0], self.columns)..=cell(high[0], self.columns) {
                 self.solid[row * self.columns + column] = true;
+                for (down, left) in [0, 1, 2].into_iter().flat_map(|y| [0, 1, 2].map(|x| (y, x))) {
+                    self.near[(row / 8 + down) * (self.columns / 8 + 3) + column / 8 + left] = true;
+                }
             }
         }
     }
@@ -74,21 +79,27 @@ impl World {
         !inside || self.solid[row as usize * self.columns + column as usize]
     }
 
-    fn range_m(&self, from: [f64; 2], angle: f64) -> f64 {
+    pub(crate) fn range_m(&self, from: [f64; 2], angle: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
-        let steps = (RANGE_M / 0.025) as usize;
-        let hit = (0..steps).find(|step| {
-            let along = 0.025 * *step as f64;
-            self.is_solid(from[0] + along * cos, from[1] + along * sin)
-        });
-        hit.map_or(f64::INFINITY, |step| 0.025 * step as f64)
+        let mut step = 0_u32;
+        while f64::from(step) * 0.025 < RANGE_M {
+            let along = 0.025 * f64::from(step);
+            let (x, y) = (from[0] + along * cos, from[1] + along * sin);
+            if self.is_solid(x, y) {
+                return along;
+            }
+            let (column, row) = ((x / CELL_M) as usize / 8 + 1, (y / CELL_M) as usize / 8 + 1);
+            // Where a square and those around it are empty, 0.4 m are.
+            step += if self.near[row * (self.columns / 8 + 3) + column] { 1 } else { 16 };
+        }
+        f64::INFINITY
     }
 
     fn clearance_m(&self, place: [f64; 2]) -> f64 {
         (0..24).map(|step| self.range_m(place, f64::from(step) * PI / 12.0)).fold(f64::INFINITY, f64::min)
     }
 
-    fn map(&self) -> GridMap {
+    pub(crate) fn map(&self) -> GridMap {
         let state = |solid: &bool| if *solid { Occupancy::Occupied } else { Occupancy::Free };
         GridMap {
             columns: self.columns,
@@ -101,14 +112,14 @@ impl World {
 }
 
 /// Walls, and furniture that may be moved.
-struct Building {
-    walls: World,
-    furniture: Vec<Cuboid>,
+pub(crate) struct Building {
+    pub(crate) walls: World,
+    pub(crate) furniture: Vec<Cuboid>,
 }
 
 impl Building {
     /// A corridor with rooms to both sides, each with a door and furniture.
-    fn random(random: &mut Random) -> Self {
+    pub(crate) fn random(random: &mut Random) -> Self {
         let (width, height) = (random.within(22.0, 38.0), random.within(15.0, 24.0));
         let mut walls = World::new(width, height);
         let middle = 0.5 * height;
@@ -142,7 +153,7 @@ impl Building {
         Self { walls, furniture }
     }
 
-    fn with(&self, furniture: &[Cuboid]) -> World {
+    pub(crate) fn with(&self, furniture: &[Cuboid]) -> World {
         let mut world = self.walls.clone();
         furniture.iter().for_each(|each| world.draw(*each));
         world
@@ -150,7 +161,7 @@ impl Building {
 }
 
 /// Ahead until something is near, then towards where there is most room.
-fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
+pub(crate) fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
     let start = (0..400).find_map(|_| {
         let place = [
             random.within(0.5, world.columns as f64 * CELL_M - 0.5),
@@ -187,12 +198,12 @@ fn drive(world: &World, random: &mut Random) -> Option<Vec<Se2>> {
 }
 
 /// Angles of the beams in the scanner's frame.
-fn beam_rad(beam: usize) -> f64 {
+pub(crate) fn beam_rad(beam: usize) -> f64 {
     (0.5 * beam as f64 - 135.0).to_radians()
 }
 
 /// Every so manyth beam.
-fn scan(world: &World, pose: &Se2, each: usize) -> Vec<f64> {
+pub(crate) fn scan(world: &World, pose: &Se2, each: usize) -> Vec<f64> {
     (0..BEAMS)
         .step_by(each)
         .map(|beam| world.range_m([pose.x_m, pose.y_m], pose.heading_rad + beam_rad(beam)))

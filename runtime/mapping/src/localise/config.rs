@@ -31,18 +31,38 @@ pub struct LocaliseConfig {
     pub query_points: usize,
     /// Mean value of the returns at a place that counts, 0 to 1.
     pub score_least: f32,
-    /// The second best place must lose at least so many times what the best loses.
-    pub loss_ratio: f32,
+    /// A place needs this much support of the scans, at most 1: returns on walls for it, beams through walls against it...
+    pub support_least: f64,
+    /// ... and so much more than the second best place,
+    pub support_margin: f64,
+    /// or so much divided by the metres that the scans of a search cover, if that is more.
+    pub margin_metres: f64,
+    /// A lead that holds scan after scan may be as small as this...
+    pub steady_margin: f64,
+    /// ... if it is so many of its standard deviations.
+    pub sigmas: f64,
     /// Share of beams, at most, that went through a wall of the map.
     pub through_most: f64,
     /// Two searches agree within this distance, metres, and turn, radians.
     pub agree: (f64, f64),
-    /// Mean value of the scans of the last metres below which the place is in doubt...
-    pub doubt_below: f32,
+    /// Mean support of the scans of the last metres below which the place is in doubt...
+    pub doubt_below: f64,
     /// ... and below which it is given up.
-    pub lost_below: f32,
-    /// Scans over which that mean runs.
+    pub lost_below: f64,
+    /// Scans over which that mean runs; the place is given up by half of them.
     pub memory: usize,
+    /// Share of the curvature of a match that its weakest direction must have to hold the place along it.
+    pub held_share: f32,
+    /// Growth of the deviation along a way that the walls do not hold, metres a metre, and the least deviation, metres.
+    pub unheld_growth: f64,
+    /// See `unheld_growth`.
+    pub deviation_least_m: f64,
+    /// A larger deviation is a doubt, metres.
+    pub deviation_most_m: f64,
+    /// A place that is not known for longer than this asks for help, seconds.
+    pub help_after_s: f64,
+    /// Scans that the tracking keeps before it begins anew.
+    pub scans_kept: usize,
     /// A robot that stands checks its place so often, seconds.
     pub check_s: f64,
     /// Descents.
@@ -55,22 +75,32 @@ impl Default for LocaliseConfig {
             front_end: FrontEndConfig::default(),
             cell_m: 0.1,
             reach_m: 0.3,
-            turn_step_rad: 0.02,
+            turn_step_rad: 0.025,
             first_path_m: 2.0,
             next_path_m: 1.0,
-            patience: 1.3,
-            next_path_most_m: 4.0,
-            confirm_path_m: 2.0,
-            query_path_m: 8.0,
+            patience: 1.1,
+            next_path_most_m: 2.0,
+            confirm_path_m: 1.0,
+            query_path_m: 14.0,
             query_points: 250,
-            score_least: 0.5,
-            loss_ratio: 1.25,
+            score_least: 0.4,
+            support_least: 0.25,
+            support_margin: 0.06,
+            margin_metres: 0.3,
+            steady_margin: 0.03,
+            sigmas: 3.0,
             through_most: 0.15,
             agree: (0.4, 0.15),
-            doubt_below: 0.4,
-            lost_below: 0.3,
+            doubt_below: 0.15,
+            lost_below: 0.0,
             memory: 8,
-            check_s: 0.5,
+            held_share: 0.03,
+            unheld_growth: 0.05,
+            deviation_least_m: 0.05,
+            deviation_most_m: 0.3,
+            help_after_s: 10.0,
+            scans_kept: 6_000,
+            check_s: 0.25,
             descent: DescentConfig {
                 reach_m: 0.3,
                 return_deviation_m: 0.15,
@@ -79,5 +109,13 @@ impl Default for LocaliseConfig {
                 step_least: 2.0e-4,
             },
         }
+    }
+}
+
+impl LocaliseConfig {
+    /// Deviation after so much path that the walls did not hold, metres.
+    #[must_use]
+    pub fn deviation_m(&self, unheld_m: f64) -> f64 {
+        self.deviation_least_m + self.unheld_growth * unheld_m
     }
 }

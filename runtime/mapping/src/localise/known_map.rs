@@ -2,7 +2,7 @@
 
 use floorguard_mapping::match_field::{FieldLevel, MatchField, coarsen};
 use floorguard_mapping::{GridGeometry, GridSides, Occupancy};
-use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::geometry::Point2;
 
 use super::config::LocaliseConfig;
 use crate::grid_map::GridMap;
@@ -10,8 +10,21 @@ use crate::se2::Se2;
 
 /// Levels of the searched field: the coarsest bounds 64 × 64 cells.
 const LEVELS: u8 = 6;
-/// A return this much behind a wall of the map means that the beam went through it, metres.
-const BEHIND_M: f64 = 0.5;
+/// A return lies on a wall from this value of the field on.
+const NEAR_LEAST: u8 = 64;
+/// Cells of a beam at most.
+const STEPS_MOST: f64 = 4_000.0;
+
+/// What became of a beam in a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum BeamFate {
+    /// It ended near a wall: value of the field there.
+    Wall(f32),
+    /// It ended where the map knows no wall.
+    Short,
+    /// It went through a wall.
+    Through,
+}
 
 /// A map and the field of its walls.
 pub struct KnownMap {
@@ -65,34 +78,60 @@ impl KnownMap {
         levels
     }
 
-    /// The middle of the map, heading 0.
-    pub(super) fn centre(&self) -> Pose2 {
-        let centre = |axis: usize, count: usize| {
-            (self.map.corner_m[axis] + 0.5 * count as f64 * self.map.cell_m) as f32
+    /// First cells of the blocks of the field, so many cells along their sides, in which the map has free floor.
+    pub(super) fn free_blocks(&self, side: i32) -> Vec<[i32; 2]> {
+        let mut starts = Vec::new();
+        let (columns, rows) = (self.geometry.columns() as i32, self.geometry.rows() as i32);
+        let origin = self.geometry.origin_in_map();
+        let edge_m = f64::from(self.geometry.resolution_m());
+        let cell_of = |column: i32, row: i32| {
+            let at = |cell: i32, origin: f32| f64::from(origin) + (f64::from(cell) + 0.5) * edge_m;
+            self.map.cell_of([at(column, origin.x_m), at(row, origin.y_m)])
         };
-        Pose2::new(centre(0, self.map.columns), centre(1, self.map.rows), 0.0)
+        for row in (0..rows).step_by(side.max(1) as usize) {
+            for column in (0..columns).step_by(side.max(1) as usize) {
+                let mut cells = (row..row + side).flat_map(|y| (column..column + side).map(move |x| (x, y)));
+                let is_free = cells.any(|(x, y)| {
+                    let [x, y] = cell_of(x, y);
+                    self.map.at(x, y) == Occupancy::Free
+                });
+                if is_free {
+                    starts.push([column, row]);
+                }
+            }
+        }
+        starts
     }
 
-    /// Cells of the field from the middle to the farther edge.
-    pub(super) fn half_side_cells(&self) -> i32 {
-        (self.geometry.columns().max(self.geometry.rows()) / 2 + 1) as i32
-    }
-
-    /// A beam from a pose of the map to a return went through a wall.
-    pub(super) fn goes_through(&self, pose: Se2, point: Point2) -> bool {
+    /// What became of a beam from a pose of the map to a return. A beam that grazes a wall crosses its cells before it ends
+    /// on it: it went through only once it comes away from all walls behind the one it crossed.
+    pub(super) fn fate(&self, pose: Se2, point: Point2) -> BeamFate {
         let [x_m, y_m] = pose.transform(point);
         let length_m = pose.distance(Se2::new(x_m, y_m, 0.0));
-        let steps = ((length_m - BEHIND_M) / self.map.cell_m).floor();
-        if steps < 1.0 {
-            return false;
-        }
-        let step = self.map.cell_m / length_m;
-        (1..=steps as u32).any(|at| {
+        let steps = (length_m / self.map.cell_m).floor();
+        let step = self.map.cell_m / length_m.max(self.map.cell_m);
+        let mut has_crossed = false;
+        for at in 1..=steps.min(STEPS_MOST) as u32 {
             let share = f64::from(at) * step;
-            let [column, row] =
-                self.map.cell_of([pose.x_m + share * (x_m - pose.x_m), pose.y_m + share * (y_m - pose.y_m)]);
-            self.map.at(column, row) == Occupancy::Occupied
-        })
+            let place = [pose.x_m + share * (x_m - pose.x_m), pose.y_m + share * (y_m - pose.y_m)];
+            let [column, row] = self.map.cell_of(place);
+            if self.map.at(column, row) == Occupancy::Occupied {
+                has_crossed = true;
+            } else if has_crossed && self.value(place) == 0 {
+                return BeamFate::Through;
+            }
+        }
+        let end = self.value([x_m, y_m]);
+        if end >= NEAR_LEAST { BeamFate::Wall(f32::from(end) / 255.0) } else { BeamFate::Short }
+    }
+
+    /// Value of the field at a place, 0 beyond it.
+    fn value(&self, place: [f64; 2]) -> u8 {
+        let origin = self.geometry.origin_in_map();
+        let edge_m = f64::from(self.geometry.resolution_m());
+        let cell = |value: f64, origin: f32| ((value - f64::from(origin)) / edge_m).floor() as i32;
+        let level = FieldLevel { geometry: self.geometry, values: &self.levels[0], shift: 0 };
+        level.at(cell(place[0], origin.x_m), cell(place[1], origin.y_m))
     }
 }
 

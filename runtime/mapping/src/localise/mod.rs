@@ -1,18 +1,29 @@
 //! Where the robot is in a known map, without a hint: found, in doubt, or not known.
 //!
-//! Source: Hess et al. 2016, section V.B (branch and bound over the whole map); Lu and Milios 1997 for what follows. A place
-//! counts once it stands alone, is not contradicted by what the scans saw through, and the searches of two metres agree.
+//! Sources: Olson 2009 (coarse search whose blocks bound their poses); Lu and Milios 1997 for what follows. The best places of
+//! the whole map are kept from search to search and judged by returns on walls and by beams through walls. A place counts once
+//! it beats every other one and the searches of a metre agree.
 
+mod choice;
 mod config;
+mod freshness;
 mod known_map;
 mod localiser;
+mod places;
 mod query;
 mod searching;
+mod support;
+mod updates;
 
+pub use choice::{Chosen, MapChoice};
 pub use config::LocaliseConfig;
 pub use known_map::KnownMap;
 pub use localiser::{Belief, Localiser, LocaliserStatistics, Located};
+pub use updates::{MapUpdater, UpdateConfig};
 
 #[cfg(test)]
 #[path = "campaign_tests.rs"]
-mod campaign;
+pub(crate) mod campaign;
+#[cfg(test)]
+#[path = "failure_tests.rs"]
+mod failures;

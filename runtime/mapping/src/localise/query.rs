@@ -14,17 +14,20 @@ const THIN_M: f32 = 0.2;
 pub struct Query {
     /// Index of the first scan in it.
     pub first: usize,
+    /// Path between them, metres; a turn of one radian counts a metre.
+    pub path_m: f64,
     /// Returns in the frame of the last scan.
     pub points: Vec<Point2>,
 }
 
 impl Query {
-    /// From the last scans; those before `since` belong to another place.
-    pub fn new(nodes: &[Node], since: usize, config: &LocaliseConfig) -> Option<Self> {
+    /// From the last scans.
+    pub fn new(nodes: &[Node], config: &LocaliseConfig) -> Option<Self> {
         let last = nodes.last()?;
         let (mut first, mut path_m) = (nodes.len() - 1, 0.0);
-        while first > since && path_m < config.query_path_m {
-            path_m += nodes[first - 1].pose.distance(nodes[first].pose);
+        while first > 0 && path_m < config.query_path_m {
+            let step = nodes[first - 1].pose.between(nodes[first].pose);
+            path_m += step.length_m() + step.heading_rad.abs();
             first -= 1;
         }
         let mut taken = BTreeSet::new();
@@ -41,6 +44,6 @@ impl Query {
         }
         let every = points.len().div_ceil(config.query_points.max(1)).max(1);
         let points = points.into_iter().step_by(every).collect();
-        Some(Self { first, points })
+        Some(Self { first, path_m, points })
     }
 }

@@ -1,20 +1,20 @@
-//! One search of the whole map.
+//! One search of the whole map, and the places that earlier ones left possible.
 
-use floorguard_localisation::scan_matching::{
-    Candidate, CellOffset, Exclusion, Guess, MotionPenalty, SearchScratch, SearchWindow, refine, search,
-};
+use floorguard_localisation::scan_matching::{Guess, refine};
 use nalgebra::Matrix3;
 
 use super::config::LocaliseConfig;
 use super::known_map::KnownMap;
+use super::places::{are_apart, places};
 use super::query::Query;
+use super::support::Support;
 use crate::front_end::Node;
 use crate::se2::Se2;
 
 /// What a search says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchAnswer {
-    /// One place, and no other that is nearly as good: pose of the last scan in the map.
+    /// One place, and no other that is nearly as good: the frame of the tracking in the map.
     Alone(Se2),
     /// No place fits.
     Nowhere,
@@ -24,25 +24,54 @@ pub enum SearchAnswer {
     Contradicted,
 }
 
-/// Blocks that a search can keep.
-const BLOCKS: usize = 400_000;
-/// A second place is another one beyond this, metres and radians.
-const APART: (f32, f32) = (1.0, 0.3);
-/// Scans and beams of each that are asked whether they went through walls.
-const ASKED_SCANS: usize = 10;
-const ASKED_BEAMS: usize = 90;
+/// Places that a search gives, and those that are kept for the next one.
+const PLACES: usize = 40;
+const KEPT: usize = 24;
+/// Beyond this a second place is another one that must lose: metres and radians.
+const ANOTHER: (f64, f64) = (0.8, 0.3);
+/// Scans, and beams of each, that are asked about a place.
+const ASKED_SCANS: usize = 24;
+const ASKED_BEAMS: usize = 60;
 
-/// Room for searches.
+/// A place that is possible.
+#[derive(Clone, Debug)]
+struct Hypothesis {
+    tracking_in_map: Se2,
+    support: f64,
+    through_share: f64,
+    /// Support of each scan that was asked: the same scans for all places.
+    of_scans: Vec<f64>,
+}
+
+impl Hypothesis {
+    /// Whether another place is clearly worse: by far on the whole, or by less but scan after scan. The scans of a metre and a
+    /// half see much the same and count once.
+    fn beats(&self, other: &Self, path_m: f64, config: &LocaliseConfig) -> bool {
+        let gap = self.support - other.support;
+        if gap >= config.support_margin.max(config.margin_metres / path_m.max(1.0)) {
+            return true;
+        }
+        let gaps = self.of_scans.iter().zip(&other.of_scans).map(|(here, there)| here - there);
+        let count = self.of_scans.len().min(other.of_scans.len()).max(2) as f64;
+        let mean = gaps.clone().sum::<f64>() / count;
+        let variance = gaps.map(|gap| (gap - mean) * (gap - mean)).sum::<f64>() / (count - 1.0);
+        let independent = (path_m / INDEPENDENT_M).min(count);
+        let deviation = (variance / independent.max(1.0)).sqrt().max(1.0e-6);
+        independent >= INDEPENDENT_LEAST && gap >= config.steady_margin && mean >= config.sigmas * deviation
+    }
+}
+
+/// Path over which scans see much the same, metres, and how many such pieces a comparison scan by scan needs.
+const INDEPENDENT_M: f64 = 1.5;
+const INDEPENDENT_LEAST: f64 = 3.0;
+
+/// The possible places.
+#[derive(Default)]
 pub struct Searcher {
-    cells: Vec<CellOffset>,
-    blocks: Vec<Candidate>,
+    hypotheses: Vec<Hypothesis>,
 }
 
 impl Searcher {
-    pub fn new() -> Self {
-        Self { cells: Vec::new(), blocks: vec![Candidate::default(); BLOCKS] }
-    }
-
     /// Searches the whole map, all headings.
     pub fn search(
         &mut self,
@@ -51,59 +80,77 @@ impl Searcher {
         query: &Query,
         config: &LocaliseConfig,
     ) -> SearchAnswer {
-        let levels = map.levels();
-        self.cells.resize(query.points.len(), CellOffset::default());
-        let window = SearchWindow {
-            centre: map.centre(),
-            half_side_cells: map.half_side_cells(),
-            half_turn_steps: (std::f32::consts::PI / config.turn_step_rad).ceil() as i32,
-            turn_step_rad: config.turn_step_rad,
-            penalty: MotionPenalty::default(),
-            excluded: None,
-            minimum_score: config.score_least * 0.9,
-        };
-        let (cells, blocks) = (&mut self.cells, &mut self.blocks);
-        let Some(found) = search(&levels, &query.points, &window, SearchScratch { cells, blocks }) else {
-            return SearchAnswer::Nowhere;
-        };
-        let guess = Guess { start: found.pose, expected: found.pose, information: Matrix3::zeros() };
-        let refined = refine(&levels[0], &query.points, &guess, &config.descent);
-        if refined.score < config.score_least {
+        let Some(last) = nodes.last() else { return SearchAnswer::Nowhere };
+        let mut poses: Vec<Se2> = Vec::new();
+        for before in &self.hypotheses {
+            let pose = refined(map, query, before.tracking_in_map.compose(last.pose), config);
+            if poses.iter().all(|other| are_apart(*other, pose)) {
+                poses.push(pose);
+            }
+        }
+        for pose in places(map, &query.points, config, PLACES) {
+            if poses.iter().all(|other| are_apart(*other, pose)) {
+                poses.push(pose);
+            }
+        }
+        let judged = poses.into_iter().map(|pose| {
+            let of_scans = support_of(map, nodes, query, pose);
+            let mut whole = Support::default();
+            of_scans.iter().for_each(|scan| whole.join(scan));
+            Hypothesis {
+                tracking_in_map: pose.compose(last.pose.inverse()),
+                support: whole.value(),
+                through_share: whole.through_share(),
+                of_scans: of_scans.iter().map(Support::value).collect(),
+            }
+        });
+        self.hypotheses = judged.collect();
+        self.hypotheses.sort_by(|a, b| b.support.total_cmp(&a.support));
+        self.hypotheses.truncate(KEPT);
+        self.answer(last.pose, query.path_m, config)
+    }
+
+    fn answer(&self, last: Se2, path_m: f64, config: &LocaliseConfig) -> SearchAnswer {
+        let Some(best) = self.hypotheses.first() else { return SearchAnswer::Nowhere };
+        if best.support < config.support_least {
             return SearchAnswer::Nowhere;
         }
-        let pose = Se2::from(refined.pose);
-        if through_share(map, nodes, query, pose) > config.through_most {
+        if best.through_share > config.through_most {
             return SearchAnswer::Contradicted;
         }
-        let cell_m = levels[0].geometry.resolution_m();
-        let excluded = Exclusion {
-            column: found.place.column,
-            row: found.place.row,
-            turn: found.place.turn,
-            half_side_cells: (APART.0 / cell_m).ceil() as i32,
-            half_turn_steps: (APART.1 / config.turn_step_rad).ceil() as i32,
+        let place = |hypothesis: &Hypothesis| hypothesis.tracking_in_map.compose(last);
+        let is_other = |other: &&Hypothesis| {
+            let away = place(best).between(place(other));
+            away.length_m() > ANOTHER.0 || away.heading_rad.abs() > ANOTHER.1
         };
-        let minimum_score = 1.0 - (1.0 - found.score) * config.loss_ratio;
-        let second = SearchWindow { excluded: Some(excluded), minimum_score, ..window };
-        let (cells, blocks) = (&mut self.cells, &mut self.blocks);
-        match search(&levels, &query.points, &second, SearchScratch { cells, blocks }) {
-            Some(_) => SearchAnswer::Ambiguous,
-            None => SearchAnswer::Alone(pose),
+        if self.hypotheses.iter().filter(is_other).any(|other| !best.beats(other, path_m, config)) {
+            return SearchAnswer::Ambiguous;
         }
+        SearchAnswer::Alone(best.tracking_in_map)
+    }
+
+    /// Support of the best place.
+    pub fn best_support(&self) -> f64 {
+        self.hypotheses.first().map_or(f64::NEG_INFINITY, |best| best.support)
     }
 }
 
-/// Share of the beams that went through a wall, with the last scan at `pose`.
-fn through_share(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> f64 {
-    let Some(last) = nodes.last() else { return 1.0 };
+fn refined(map: &KnownMap, query: &Query, pose: Se2, config: &LocaliseConfig) -> Se2 {
+    let start = pose.single();
+    let guess = Guess { start, expected: start, information: Matrix3::zeros() };
+    refine(&map.levels()[0], &query.points, &guess, &config.descent).pose.into()
+}
+
+/// What each of the scans of a query says, with the last one at `pose`.
+fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> Vec<Support> {
+    let Some(last) = nodes.last() else { return Vec::new() };
     let scans = &nodes[query.first..];
-    let (mut asked, mut through) = (0_usize, 0_usize);
-    for node in scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1)) {
+    let asked = scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1));
+    let support = |node: &Node| {
+        let mut support = Support::default();
         let place = pose.compose(last.pose.between(node.pose));
-        for point in node.points.iter().step_by(node.points.len().div_ceil(ASKED_BEAMS).max(1)) {
-            asked += 1;
-            through += usize::from(map.goes_through(place, *point));
-        }
-    }
-    through as f64 / asked.max(1) as f64
+        support.add(map, (place, &node.points), ASKED_BEAMS);
+        support
+    };
+    asked.map(support).collect()
 }

@@ -39,8 +39,8 @@ pub struct LoopCloser {
     pub stretches: Vec<Stretch>,
     fields: BTreeMap<usize, StretchField>,
     /// Accepted loops between stretches.
-    links: Vec<[usize; 2]>,
-    next_node: usize,
+    pub(super) links: Vec<[usize; 2]>,
+    pub(super) next_node: usize,
     cells: Vec<CellOffset>,
     blocks: Vec<Candidate>,
     /// What was searched.

@@ -2,6 +2,7 @@
 
 mod closer;
 mod config;
+mod saved;
 mod stretch;
 mod verify;
 

@@ -40,8 +40,8 @@ pub struct Mapper {
     pub loop_weights: Vec<f64>,
     /// Counts corrections of the map.
     pub map_revision: u32,
-    views: Vec<ScanView>,
-    step_rad: f32,
+    pub(super) views: Vec<ScanView>,
+    pub(super) step_rad: f32,
 }
 
 impl Mapper {
