@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use floorguard_host::outcome::BadInput;
-use floorguard_perception::any_scanner::PeopleByAnyScanner;
+use floorguard_perception::any_scanner::{PeopleByAnyScanner, ScannerPose};
 use floorguard_perception::people::{PeoplePipeline, RingAngles, Track};
 use floorguard_robot::picture_files::read_text;
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
 use serde::Serialize;
@@ -81,7 +81,7 @@ pub fn walker(scans: &Path, truth: Option<&Path>) -> anyhow::Result<WalkerReport
     let (mut identities, mut walked) = (BTreeSet::new(), BTreeSet::new());
     for (TimedScan { at_ns, mut scan }, moves) in played.into_iter().zip(moves) {
         scan.stamp = Stamp::from_micros(START_US + at_ns.saturating_sub(first_ns) / 1_000);
-        people.add_view(legs.process(&scan, None));
+        people.add_view(legs.process(&scan, ScannerPose::OnMovingRobot(Pose2::default())));
         let tracks = people.tracker().tracks();
         walked.extend(
             tracks.iter().filter(|track| track.moving_probability >= WALKED_MIN).map(|track| track.id),
