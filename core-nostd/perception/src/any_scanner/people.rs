@@ -83,8 +83,9 @@ impl<P: Profile> PeopleByAnyScannerOf<P> {
             ScannerPose::OnMovingRobot(scanner) => (scanner, false),
         };
         self.places.look(scan, scanner);
-        // A scanner that moves unknown to us sees what moves with it where it was.
-        let is_fixed = is_known || self.places.settled_share() > STANDING_MIN;
+        // A scanner that moves unknown to us sees what moves with it where it was; a pose that earlier scans do not fit is
+        // not relied on.
+        let is_fixed = self.places.settled_share() > STANDING_MIN || is_known && self.places.is_settled();
         let Self { detector, places, .. } = self;
         let evidence = |points: &[Point2]| {
             places.evidence(points).filter(|place| is_fixed && place.observations >= OBSERVATIONS_MIN)

@@ -210,6 +210,17 @@ mod tests {
         scan
     }
 
+    /// Of a scanner in a recording nothing is known; the bytes of an S300's line are those of an S300.
+    #[test]
+    fn recorded_scanners_learn_places_but_for_s300() {
+        let is_any = |mut stages: RobotStages| {
+            stages.scan("front", &scan(1_000_000), (Pose2::default(), Some(Pose2::default())));
+            stages.scanners.values().all(|legs| matches!(legs, HostedLegs::Any(_)))
+        };
+        assert!(is_any(RobotStages::new().expect("the example robot")));
+        assert!(!is_any(RobotStages::new().expect("the example robot").for_s300()));
+    }
+
     /// A time that stands still is frozen; one that was set back by an hour begins anew and is healthy.
     #[test]
     fn times_of_each_source_are_judged() {
