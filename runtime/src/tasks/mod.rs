@@ -32,7 +32,7 @@ pub use inputs::{
 };
 pub use lidar::lidar_input;
 pub use mission::{Mission, MissionMoment, drive_mission};
-pub use perception::{JudgeMotion, NoMotion, PerceptionState, follow_legs, perceive};
+pub use perception::{FindPeopleByLegs, JudgeMotion, NoMotion, PerceptionState, follow_legs, perceive};
 pub use route::drive_route;
 pub use scanner::{SEARCHED_STEP_RAD, rear_scanner_input, scanner_datagrams, scanner_input};
 pub use supervise::supervise;

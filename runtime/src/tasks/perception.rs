@@ -8,7 +8,7 @@ use floorguard_localisation::odometry::{PoseHistory, PoseLookupError};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, find_moving_people};
 use floorguard_perception::people::{
-    PeopleOutput, PeoplePipeline, SweepContext, Track, hangs, turn_over, turned_over_mounting,
+    PeopleOutput, PeoplePipeline, PeopleView, SweepContext, Track, hangs, turn_over, turned_over_mounting,
 };
 use floorguard_types::geometry::{Point2, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::{Scan, Sweep};
@@ -64,8 +64,20 @@ impl JudgeMotion for MotionDetector {
     }
 }
 
+/// Finds people by the legs that a scanner sees.
+pub trait FindPeopleByLegs {
+    /// Takes in a scan, taken by a scanner at that pose of the odometry frame; positions come out in that frame.
+    fn people(&mut self, scan: &Scan, sensor_in_odom: Pose2) -> &PeopleView;
+}
+
+impl FindPeopleByLegs for PeopleByLegs {
+    fn people(&mut self, scan: &Scan, sensor_in_odom: Pose2) -> &PeopleView {
+        self.process(scan, sensor_in_odom, None::<fn(Point2) -> bool>)
+    }
+}
+
 /// All memory of the stage, about 380 KiB and what judging motion takes: the board places it once.
-pub struct PerceptionState<D = NoMotion> {
+pub struct PerceptionState<D = NoMotion, L = PeopleByLegs> {
     /// Sweep under construction.
     pub building: Sweep,
     /// The people stages.
@@ -73,7 +85,7 @@ pub struct PerceptionState<D = NoMotion> {
     /// What moves.
     pub motion: D,
     /// Legs in the safety scanner's scans.
-    pub legs: PeopleByLegs,
+    pub legs: L,
     /// The scan that is searched for them.
     pub scan: Scan,
     /// Where the robot was.
@@ -84,7 +96,7 @@ pub struct PerceptionState<D = NoMotion> {
     pub scanner_in_base: Pose2,
 }
 
-impl<D: JudgeMotion> PerceptionState<D> {
+impl<D: JudgeMotion, L: FindPeopleByLegs> PerceptionState<D, L> {
     /// The scan that was read: its legs go into the same list of people. True if that changed it at once, because the
     /// lidar is silent; an error if nobody knows where the robot was.
     fn search_legs(&mut self) -> Result<bool, PoseLookupError> {
@@ -114,15 +126,17 @@ impl<D: JudgeMotion> PerceptionState<D> {
 /// changed the list at once, because the lidar is silent. One scan costs its beams, and tracks × legs.
 pub fn follow_legs(
     people: &mut PeoplePipeline,
-    legs: &mut PeopleByLegs,
+    legs: &mut impl FindPeopleByLegs,
     (scan, sensor_in_odom): (&Scan, Pose2),
 ) -> bool {
-    let view = legs.process(scan, sensor_in_odom, None::<fn(Point2) -> bool>);
-    people.add_view(view)
+    people.add_view(legs.people(scan, sensor_in_odom))
 }
 
 /// Perception ring. Runs for ever. Packets come before scans, so that two runs with the same bytes take the same way.
-pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &mut PerceptionState<D>) {
+pub async fn perceive<M: RawMutex, D: JudgeMotion, L: FindPeopleByLegs>(
+    shared: &Shared<M>,
+    state: &mut PerceptionState<D, L>,
+) {
     let mut builder = SweepBuilder::new(CUT_CDEG);
     let hangs = state.turn_over_lidar();
     let mut twist = Twist2::ZERO;

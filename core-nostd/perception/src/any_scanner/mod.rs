@@ -7,5 +7,5 @@ mod gait;
 mod people;
 mod places;
 
-pub use people::{PeopleByAnyScanner, PeopleByAnyScannerOf};
+pub use people::{PeopleByAnyScanner, PeopleByAnyScannerOf, ScannerPose};
 pub use places::{Places, PlacesOf};

@@ -22,6 +22,15 @@ const SCORE_MIN: f32 = -0.55;
 /// committee was not trained for are lost.
 const RELIABILITY_MIN: f32 = 0.35;
 
+/// Where a scanner is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ScannerPose {
+    /// In a frame that stands, such as that of odometry.
+    InFixedFrame(Pose2),
+    /// On a robot whose motion is not known: the frame moves with it.
+    OnMovingRobot(Pose2),
+}
+
 /// The legs that one scanner sees, the places around it, and the people that the legs make up. Unlike
 /// [`PeopleByLegsOf`](crate::legs::PeopleByLegsOf) it knows nothing of the scanner, and learns the furniture as it goes.
 #[derive(Clone, Debug)]
@@ -66,14 +75,17 @@ impl<P: Profile> PeopleByAnyScannerOf<P> {
         }
     }
 
-    /// Takes in a scan, taken by a scanner at this pose of the fixed frame; `None` where its motion is not known. Then
-    /// positions are those of the sensor's frame, and while the scanner moves, only a gait shows who walks.
-    pub fn process(&mut self, scan: &ScanOf<P>, scanner_in_fixed: Option<Pose2>) -> &PeopleViewOf<P> {
-        let is_known = scanner_in_fixed.is_some();
-        let scanner = scanner_in_fixed.unwrap_or_default();
+    /// Takes in a scan; positions come out in the frame of the scanner's pose. While a scanner of unknown motion moves,
+    /// only a gait shows who walks. Cost: beams × places along a ray, and tracks × legs.
+    pub fn process(&mut self, scan: &ScanOf<P>, pose: ScannerPose) -> &PeopleViewOf<P> {
+        let (scanner, is_known) = match pose {
+            ScannerPose::InFixedFrame(scanner) => (scanner, true),
+            ScannerPose::OnMovingRobot(scanner) => (scanner, false),
+        };
         self.places.look(scan, scanner);
-        // A scanner that moves unknown to us sees what moves with it where it was.
-        let is_fixed = is_known || self.places.settled_share() > STANDING_MIN;
+        // A scanner that moves unknown to us sees what moves with it where it was; a pose that earlier scans do not fit is
+        // not relied on.
+        let is_fixed = self.places.settled_share() > STANDING_MIN || is_known && self.places.is_settled();
         let Self { detector, places, .. } = self;
         let evidence = |points: &[Point2]| {
             places.evidence(points).filter(|place| is_fixed && place.observations >= OBSERVATIONS_MIN)
@@ -160,7 +172,8 @@ mod tests {
         let moments = (0..60).map(|step| 0.066 * step as f32);
         moments
             .flat_map(|seconds| {
-                let view = people.process(&scan(seconds, apart(seconds), speed_mps), None);
+                let scan = scan(seconds, apart(seconds), speed_mps);
+                let view = people.process(&scan, ScannerPose::OnMovingRobot(Pose2::default()));
                 view.detections.iter().map(|person| person.moving).collect::<std::vec::Vec<_>>()
             })
             .collect()

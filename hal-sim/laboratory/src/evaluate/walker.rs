@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use floorguard_host::outcome::BadInput;
-use floorguard_perception::any_scanner::PeopleByAnyScanner;
+use floorguard_perception::any_scanner::{PeopleByAnyScanner, ScannerPose};
 use floorguard_perception::people::{PeoplePipeline, RingAngles, Track};
 use floorguard_robot::picture_files::read_text;
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
 use serde::Serialize;
@@ -53,7 +53,7 @@ const SAME_MAX: f32 = 0.6;
 const SAME_M: f32 = 0.1;
 const BEFORE_NS: u64 = 1_000_000_000;
 
-/// A scan and its time, nanoseconds.
+/// A scan, with the time when it was measured, and when it was recorded, nanoseconds: the truth has that time.
 struct TimedScan {
     at_ns: u64,
     scan: Scan,
@@ -73,15 +73,13 @@ struct TruePlace {
 pub fn walker(scans: &Path, truth: Option<&Path>) -> anyhow::Result<WalkerReport> {
     let played = read_scans(scans)?;
     let truth = truth.map(read_truth).transpose()?.unwrap_or_default();
-    let first_ns = played.first().map_or(0, |first| first.at_ns);
     let mut legs = Box::new(PeopleByAnyScanner::new());
     let mut people = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
     let (mut report, mut counts) = (WalkerReport::default(), [0_u64; 5]);
     let moves: Vec<bool> = (0..played.len()).map(|index| has_moved(&played, index)).collect();
     let (mut identities, mut walked) = (BTreeSet::new(), BTreeSet::new());
-    for (TimedScan { at_ns, mut scan }, moves) in played.into_iter().zip(moves) {
-        scan.stamp = Stamp::from_micros(START_US + at_ns.saturating_sub(first_ns) / 1_000);
-        people.add_view(legs.process(&scan, None));
+    for (TimedScan { at_ns, scan }, moves) in played.into_iter().zip(moves) {
+        people.add_view(legs.process(&scan, ScannerPose::OnMovingRobot(Pose2::default())));
         let tracks = people.tracker().tracks();
         walked.extend(
             tracks.iter().filter(|track| track.moving_probability >= WALKED_MIN).map(|track| track.id),
@@ -148,13 +146,18 @@ fn read_scans(path: &Path) -> anyhow::Result<Vec<TimedScan>> {
             bad(1, "expected `angle_min=`, `angle_increment=` (radians) and `range_max=` (metres)").into()
         );
     };
-    let mut scans = Vec::new();
+    let (mut scans, mut first_s) = (Vec::new(), None);
     for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
         let mut cells = line.split(',');
         let at_ns = cells.next().and_then(|cell| cell.trim().parse().ok());
         let at_ns = at_ns.ok_or_else(|| bad(index + 1, "the first cell is no time in nanoseconds"))?;
-        let mut scan = Scan { first_angle_rad, step_rad, ..Scan::default() };
-        for cell in cells.skip(1) {
+        let measured_s = cells.next().and_then(|cell| cell.trim().parse::<f64>().ok());
+        let measured_s =
+            measured_s.ok_or_else(|| bad(index + 1, "the second cell is no time in seconds"))?;
+        let after_s = measured_s - *first_s.get_or_insert(measured_s);
+        let stamp = Stamp::from_micros(START_US + (after_s.max(0.0) * 1.0e6) as u64);
+        let mut scan = Scan { first_angle_rad, step_rad, stamp, ..Scan::default() };
+        for cell in cells {
             let cell = cell.trim();
             let range_m: f32 = if cell.is_empty() {
                 f32::INFINITY
@@ -210,7 +213,7 @@ mod tests {
     fn person_without_returns_is_not_found() {
         let ranges = ",4".repeat(60);
         let header = "# angle_min=-0.3 angle_increment=0.01 n=60 range_max=5.6\n";
-        let rows: String = (1..4).map(|scan| format!("{}00000000,0.1{ranges}\n", scan)).collect();
+        let rows: String = (1..4).map(|scan| format!("{scan}00000000,0.{scan}{ranges}\n")).collect();
         let scans = file(&format!("{header}{rows}"));
         let truth = file("bag_time_ns,id,x,y\n200000000,1,2.0,0.0\n");
         let report = walker(scans.path(), Some(truth.path())).unwrap();

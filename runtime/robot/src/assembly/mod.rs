@@ -4,6 +4,7 @@ mod commanded;
 mod guard_task;
 mod inbox;
 mod latch_file;
+mod legs;
 mod links;
 mod rings;
 mod spawn;
@@ -14,6 +15,7 @@ pub use commanded::{spawn_commanded, spawn_velocity_base, velocity_rules};
 pub use guard_task::GuardTask;
 pub use inbox::PeopleInbox;
 pub use latch_file::{LatchFile, latched_words};
+pub use legs::HostedLegs;
 pub use links::{Links, Missing, ScannerLink};
 pub use rings::{HostedShared, StopsAtEnd, run_rings};
 pub use spawn::{

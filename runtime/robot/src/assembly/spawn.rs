@@ -8,7 +8,6 @@ use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::GuardConfigError;
 use floorguard_localisation::odometry::{BaseModel, PoseHistory};
-use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
@@ -28,6 +27,7 @@ use floorguard_types::time::Stamp;
 
 use super::guard_task::GuardTask;
 use super::inbox::PeopleInbox;
+use super::legs::HostedLegs;
 use super::tap::Tap;
 use crate::learning::{LearningSetup, PeopleLearner};
 use crate::navigator::{BodyExtent, SpaceInbox, sight_of};
@@ -119,7 +119,7 @@ impl Stages {
 }
 
 /// The perception ring of a hosted robot.
-pub type HostedPerception = PerceptionState<HostedMotion>;
+pub type HostedPerception = PerceptionState<HostedMotion, HostedLegs>;
 
 /// Judges what moves, if that stage runs, hears what other threads saw of people, and learns, where that is wanted.
 pub struct HostedMotion {
@@ -202,7 +202,7 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         building: Sweep::EMPTY,
         people,
         motion: HostedMotion::new(stages, &robot.geometry.footprint),
-        legs: PeopleByLegs::new(),
+        legs: HostedLegs::of_robot(robot, stages),
         scan: Scan::EMPTY,
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),

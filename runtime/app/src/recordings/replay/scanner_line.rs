@@ -33,7 +33,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         .map_err(bad)?;
     let mut receiver = Box::new(Receiver::new(Configuration::default()));
     let mut recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
-    let (mut stages, mut summary) = (RobotStages::new()?, Summary::new());
+    let (mut stages, mut summary) = (RobotStages::new()?.for_s300(), Summary::new());
     let (mut refusal, mut printed, mut first) = (None, Ok(()), None);
     for (piece, arrival_us) in bytes.chunks(64).zip((1_000_000..).step_by(PIECE_US as usize)) {
         receiver.push(piece, Stamp::from_micros(arrival_us), |event| match event {

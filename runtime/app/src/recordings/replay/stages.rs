@@ -6,11 +6,11 @@
 use std::collections::BTreeMap;
 
 use floorguard_configuration::{EXAMPLE, parse};
-use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::any_scanner::ScannerPose;
 use floorguard_perception::people::{RingAngles, SweepContext, hangs, turn_over, turned_over_mounting};
-use floorguard_robot::assembly::{HostedPerception, Stages, new_perception};
+use floorguard_robot::assembly::{HostedLegs, HostedPerception, Stages, new_perception};
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{JudgeMotion as _, SEARCHED_STEP_RAD, follow_legs};
+use floorguard_runtime::tasks::{JudgeMotion as _, SEARCHED_STEP_RAD};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
@@ -31,7 +31,9 @@ pub struct RobotStages {
     /// Of the lidar as it is built.
     rings: RingAngles,
     /// Legs of each scanner.
-    scanners: BTreeMap<String, Box<PeopleByLegs>>,
+    scanners: BTreeMap<String, HostedLegs>,
+    /// Legs of a scanner that was not seen before.
+    new_legs: fn() -> HostedLegs,
     /// Where each scanner stands that comes without a pose.
     odometry: BTreeMap<String, ScanOdometry>,
     /// Time of the newest sweep or scan of each source.
@@ -53,12 +55,20 @@ impl RobotStages {
             rings: RingAngles::vlp16(),
             robot,
             scanners: BTreeMap::new(),
+            new_legs: HostedLegs::any,
             odometry: BTreeMap::new(),
             newest: BTreeMap::new(),
             searched: Box::new(Scan::EMPTY),
             restarts: 0,
             late: 0,
         })
+    }
+
+    /// The scanners are S300, which the committee near the floor was trained for.
+    #[must_use]
+    pub fn for_s300(mut self) -> Self {
+        self.new_legs = HostedLegs::trained;
+        self
     }
 
     /// The lidar has these rings.
@@ -109,39 +119,38 @@ impl RobotStages {
         }
         // With a lidar of unknown motion there is one frame for both: that of the robot.
         let is_alone = odometry.is_none() && !self.newest.contains_key(LIDAR);
-        let (place, stands) = match odometry {
-            Some(base) => (base.compose(mounting), true),
+        let pose = match odometry {
+            Some(base) => ScannerPose::InFixedFrame(base.compose(mounting)),
             None if is_alone => self.matched(name, scan),
-            None => (mounting, true),
+            None => ScannerPose::OnMovingRobot(mounting),
         };
         // As on the robot: beams no denser than those the legs were learned from.
         self.searched.copy_thinned(scan, SEARCHED_STEP_RAD);
-        let legs = self.scanners.entry(name.to_owned()).or_default();
+        let legs = self.scanners.entry(name.to_owned()).or_insert_with(self.new_legs);
         let people = &mut self.perception.people;
-        let (late, dropped) = (people.tracker().late, legs.dropped_legs);
-        follow_legs(people, legs, (&self.searched, place));
+        let (late, dropped) = (people.tracker().late, legs.dropped_legs());
+        people.add_view(legs.process(&self.searched, pose));
         self.late += u64::from(people.tracker().late - late);
         let counts =
-            ScanCounts { points, segments: legs.segments, dropped_legs: legs.dropped_legs - dropped };
+            ScanCounts { points, segments: legs.segments(), dropped_legs: legs.dropped_legs() - dropped };
         let row = FrameRow::of_scan((scan.stamp, frame), counts, legs.legs(), people.tracks());
-        match (is_alone, stands) {
-            (false, _) => row,
-            (true, true) => row.seen_from(mounting.compose(place.inverse())),
-            (true, false) => row.in_moving_frame(),
+        match pose {
+            ScannerPose::InFixedFrame(place) if is_alone => row.seen_from(mounting.compose(place.inverse())),
+            ScannerPose::OnMovingRobot(_) if is_alone => row.in_moving_frame(),
+            _ => row,
         }
     }
 
-    /// Where a scanner without odometry stands, by its scans, and whether its frame stands. In a new frame everybody is
-    /// followed anew.
-    fn matched(&mut self, name: &str, scan: &Scan) -> (Pose2, bool) {
+    /// Where a scanner without odometry stands, by its scans. In a new frame everybody is followed anew.
+    fn matched(&mut self, name: &str, scan: &Scan) -> ScannerPose {
         let odometry = self.odometry.entry(name.to_owned()).or_insert_with(ScanOdometry::new);
         match odometry.place(scan) {
-            Place::Known(pose) => (pose, true),
+            Place::Known(pose) => ScannerPose::InFixedFrame(pose),
             Place::Begins => {
                 self.clear();
-                (Pose2::default(), true)
+                ScannerPose::InFixedFrame(Pose2::default())
             }
-            Place::Unknown => (Pose2::default(), false),
+            Place::Unknown => ScannerPose::OnMovingRobot(Pose2::default()),
         }
     }
 
@@ -199,6 +208,17 @@ mod tests {
         let mut scan = Scan { stamp: Stamp::from_micros(at_us), step_rad: 0.01, ..Scan::default() };
         scan.beams.extend((0..100).map(|_| BeamReturn::Hit(4_000)));
         scan
+    }
+
+    /// Of a scanner in a recording nothing is known; the bytes of an S300's line are those of an S300.
+    #[test]
+    fn recorded_scanners_learn_places_but_for_s300() {
+        let is_any = |mut stages: RobotStages| {
+            stages.scan("front", &scan(1_000_000), (Pose2::default(), Some(Pose2::default())));
+            stages.scanners.values().all(|legs| matches!(legs, HostedLegs::Any(_)))
+        };
+        assert!(is_any(RobotStages::new().expect("the example robot")));
+        assert!(!is_any(RobotStages::new().expect("the example robot").for_s300()));
     }
 
     /// A time that stands still is frozen; one that was set back by an hour begins anew and is healthy.
