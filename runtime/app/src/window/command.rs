@@ -6,7 +6,7 @@ use floorguard_mapping_host::output::{OutputFile, check_place, plan_map, replace
 use serde_json::{Value, json};
 
 use super::arguments::WindowArguments;
-use super::map::WindowMap;
+use floorguard_robot::actuated::WindowMap;
 use super::output::{files, page};
 use super::recording;
 

@@ -5,7 +5,7 @@ use clap::Parser;
 use floorguard_mapping::sliding_window::{Face, WindowPoint};
 
 use super::WindowArguments;
-use super::map::WindowMap;
+use floorguard_robot::actuated::WindowMap;
 use super::simulated::{Simulated, play};
 
 #[derive(Parser)]
