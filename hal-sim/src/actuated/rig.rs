@@ -91,7 +91,11 @@ impl Rig {
         Self { is_carried: true, ..Self::mounted(room, model, (mounted, Vec::new(), seed)) }
     }
 
-    fn mounted(room: Room, model: LidarModel, (mounted, faults, seed): (MountedLidar, Vec<RigFault>, u64)) -> Self {
+    fn mounted(
+        room: Room,
+        model: LidarModel,
+        (mounted, faults, seed): (MountedLidar, Vec<RigFault>, u64),
+    ) -> Self {
         let (lidar, motor, pose) = (ScanLidar::new(model, seed), TurningMotor::new(mounted.node), room.start);
         Self {
             room,

@@ -112,7 +112,8 @@ impl ActuatedLidarConfiguration {
 /// Parses `tcp:ADDRESS:PORT` or `serial:DEVICE`; the bit rate is filled in later.
 fn parse_scip(text: &str) -> Option<ScipAddress> {
     let address = text.strip_prefix("tcp:").and_then(|address| address.parse().ok()).map(ScipAddress::Tcp);
-    address.or_else(|| parse_serial(text).map(|device| ScipAddress::Serial(SerialAddress { device, baud: 0 })))
+    address
+        .or_else(|| parse_serial(text).map(|device| ScipAddress::Serial(SerialAddress { device, baud: 0 })))
 }
 
 /// A text of the section that is an address.
@@ -159,8 +160,8 @@ fn read_motor(section: &Reader<'_>) -> ScanMotorConfiguration {
 
 /// The section, where it is right.
 pub(super) fn read_actuated_lidar(section: Reader<'_>) -> Option<ActuatedLidarConfiguration> {
-    let model = section
-        .choice("model", &[("urg-04lx", ScipModel::Urg04lx), ("ust-10lx", ScipModel::Ust10lx)]);
+    let model =
+        section.choice("model", &[("urg-04lx", ScipModel::Urg04lx), ("ust-10lx", ScipModel::Ust10lx)]);
     let source = read_lidar_source(&section);
     let bus = "socketcan:can1";
     let motor_source =

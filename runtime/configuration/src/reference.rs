@@ -46,7 +46,14 @@ fn without(from: &str, to: &str) -> String {
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
-    let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, super::actuated_lidar::EXAMPLE_SECTION, OPTIONAL].concat();
+    let with_all = [
+        super::EXAMPLE,
+        "\n",
+        super::camera::EXAMPLE_SECTION,
+        super::actuated_lidar::EXAMPLE_SECTION,
+        OPTIONAL,
+    ]
+    .concat();
     let mut rows = rows_of(&with_all);
     let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
     let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();

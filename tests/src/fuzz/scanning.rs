@@ -83,7 +83,8 @@ fn check_scan(event: &DeviceEvent<'_>, now: Stamp) -> u64 {
     let DeviceEvent::Scan(scan) = event else { return 0 };
     assert!(scan.beams.len() <= SCIP_BEAMS_MAX && scan.first_beam <= now, "{:?}", scan.first_beam);
     assert!(scan.step_rad > 0.0 && scan.first_angle_rad.is_finite() && scan.beam_period_us >= 0.0);
-    let is_possible = |beam: &BeamReturn| !matches!(beam, BeamReturn::Hit(range_mm) if *range_mm < 20 || *range_mm > 4_000);
+    let is_possible =
+        |beam: &BeamReturn| !matches!(beam, BeamReturn::Hit(range_mm) if *range_mm < 20 || *range_mm > 4_000);
     assert!(scan.beams.iter().all(is_possible), "an error code or a range beyond belief as a hit");
     1
 }

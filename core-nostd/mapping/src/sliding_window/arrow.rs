@@ -173,8 +173,7 @@ impl MovementArrows {
         let since_s = last.seconds_since(sighting.stamp);
         let known = self.before.iter().filter_map(|before| arrow(before, &sighting));
         let slowest = known.min_by(|a, b| a.speed_mps().total_cmp(&b.speed_mps()));
-        let velocity =
-            slowest.map_or((0.0, 0.0), |arrow| (arrow.velocity_x_mps, arrow.velocity_y_mps));
+        let velocity = slowest.map_or((0.0, 0.0), |arrow| (arrow.velocity_x_mps, arrow.velocity_y_mps));
         let mean = sighting.position_in_odometry;
         Some(PassedPerson {
             stamp: last,

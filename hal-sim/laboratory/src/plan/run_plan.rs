@@ -18,7 +18,8 @@ use super::mission_plan::{navigation_of_scenario, plan_of_scenario};
 use super::outside::OutsideProgram;
 use super::recorded_lidar::RecordedLidar;
 use floorguard_configuration::{
-    ActuatedLidarConfiguration, CommandConfiguration, EXAMPLE, HostedConfiguration, NavigationConfiguration, parse,
+    ActuatedLidarConfiguration, CommandConfiguration, EXAMPLE, HostedConfiguration, NavigationConfiguration,
+    parse,
 };
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};

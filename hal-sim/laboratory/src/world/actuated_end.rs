@@ -4,7 +4,9 @@ use std::io::{Read as _, Write as _};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 
 use anyhow::Context;
-use floorguard_configuration::{ActuatedLidarConfiguration, CanAddress, ScipAddress, ScipModel, SerialAddress};
+use floorguard_configuration::{
+    ActuatedLidarConfiguration, CanAddress, ScipAddress, ScipModel, SerialAddress,
+};
 use floorguard_drivers::scan_motor::ScanMotorConfiguration;
 use floorguard_host::carriers::PseudoTerminal;
 use floorguard_robot::actuated::WindowLinks;
@@ -165,9 +167,9 @@ impl LidarEnd {
     fn send(&mut self, bytes: &[u8]) -> bool {
         match self {
             Self::Serial(line) => write_all(line, bytes),
-            Self::Tcp(_, stream) => {
-                stream.as_mut().is_none_or(|stream| stream.write(bytes).is_ok_and(|count| count == bytes.len()))
-            }
+            Self::Tcp(_, stream) => stream
+                .as_mut()
+                .is_none_or(|stream| stream.write(bytes).is_ok_and(|count| count == bytes.len())),
         }
     }
 }

@@ -2,9 +2,9 @@
 //! and an SLCAN adapter as pseudo-terminals. Nothing repeats bit for bit here; the verdict must be the same all the same.
 
 use floorguard_drivers::can::CanFrame;
+use floorguard_mapping::sliding_window::{CellContent, WindowPoint};
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
-use floorguard_mapping::sliding_window::{CellContent, WindowPoint};
 use floorguard_sim::FaultLayer;
 use floorguard_sim::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Point3};
@@ -108,7 +108,12 @@ pub fn run_real_recorded(
                 world.play((&shared, &flag, notes), observer)
             })
         })??;
-        Ok(CarrierFigures { guard: lateness.figures(), window: window.report(), surfaces: surfaces(&window), ..figures })
+        Ok(CarrierFigures {
+            guard: lateness.figures(),
+            window: window.report(),
+            surfaces: surfaces(&window),
+            ..figures
+        })
     })
 }
 

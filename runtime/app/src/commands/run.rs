@@ -104,9 +104,7 @@ fn bind_links(configuration: &HostedConfiguration) -> anyhow::Result<Links> {
 }
 
 /// Opens what the lidar on a motor needs, if there is one.
-fn bind_window(
-    configuration: &HostedConfiguration,
-) -> anyhow::Result<(Option<WindowLinks>, WindowWatch)> {
+fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<WindowLinks>, WindowWatch)> {
     let links = configuration.carriers.actuated_lidar.as_ref().map(WindowLinks::bind).transpose();
     Ok((links.map_err(|error| BadInput(error.to_string()))?, WindowWatch::default()))
 }

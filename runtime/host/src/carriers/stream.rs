@@ -137,7 +137,8 @@ mod tests {
                 let mut buffer = [0; 8];
                 assert!(stream.write(b"x").await.is_err());
                 while outcomes.iter().filter(|is_read| **is_read).count() < 2 {
-                    outcomes.push(stream.read(&mut buffer).await.is_ok_and(|count| &buffer[..count] == b"bytes"));
+                    outcomes
+                        .push(stream.read(&mut buffer).await.is_ok_and(|count| &buffer[..count] == b"bytes"));
                 }
                 assert_eq!(stream.losses(), 1);
                 flag.stop();

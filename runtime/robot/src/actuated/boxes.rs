@@ -39,12 +39,13 @@ pub fn read_boxes(bytes: &[u8]) -> Result<ReceivedBoxes, String> {
             datagram.boxes.len()
         ));
     }
-    let boxes = datagram.boxes.iter().map(|[azimuth_min, azimuth_max, elevation_min, elevation_max]| PersonBox {
-        azimuth_min_rad: *azimuth_min,
-        azimuth_max_rad: *azimuth_max,
-        elevation_min_rad: *elevation_min,
-        elevation_max_rad: *elevation_max,
-    });
+    let boxes =
+        datagram.boxes.iter().map(|[azimuth_min, azimuth_max, elevation_min, elevation_max]| PersonBox {
+            azimuth_min_rad: *azimuth_min,
+            azimuth_max_rad: *azimuth_max,
+            elevation_min_rad: *elevation_min,
+            elevation_max_rad: *elevation_max,
+        });
     Ok(ReceivedBoxes { age_us: (datagram.age_s * 1.0e6) as u64, boxes: boxes.collect() })
 }
 

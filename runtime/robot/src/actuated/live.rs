@@ -164,20 +164,20 @@ impl Live<'_> {
         let mut portion = vec![0; PORTION_BYTES];
         let (mut bytes, mut frames) = (Vec::new(), Vec::<CanFrame>::new());
         loop {
-            let next = select3(
-                wire.read(&mut portion),
-                bus.receive(),
-                Timer::after_millis(POLL_MS),
-            );
+            let next = select3(wire.read(&mut portion), bus.receive(), Timer::after_millis(POLL_MS));
             let next = next.await;
             let now = clock::now();
             match next {
                 Either3::First(Ok(count)) => {
                     self.session.hear_lidar(portion.get(..count).unwrap_or_default(), now, &mut self.map);
                 }
-                Either3::First(Err(error)) => self.map.taken.refuse("wire", format!("the lidar's wire: {error}")),
+                Either3::First(Err(error)) => {
+                    self.map.taken.refuse("wire", format!("the lidar's wire: {error}"))
+                }
                 Either3::Second(Ok(frame)) => self.session.hear_bus(&frame, now, &mut self.map),
-                Either3::Second(Err(error)) => self.map.taken.refuse("wire", format!("the motor's bus: {error}")),
+                Either3::Second(Err(error)) => {
+                    self.map.taken.refuse("wire", format!("the motor's bus: {error}"))
+                }
                 Either3::Third(()) => {}
             }
             if let Some(pose) = self.shared.pose.get() {

@@ -6,8 +6,8 @@ use floorguard_host::outcome::BadInput;
 use floorguard_mapping::Occupancy;
 use floorguard_mapping::sliding_window::{
     CellPolicy, ColumnScan, Inserted, LidarMount, MotorTrack, MovementArrow, MovementArrows, PassedPerson,
-    PersonBoxes, Plan, PlanCell, ScanError, SightLimits, SlidingWindow, SweptWedge, WindowCell, WindowGeometry,
-    WindowOptions,
+    PersonBoxes, Plan, PlanCell, ScanError, SightLimits, SlidingWindow, SweptWedge, WindowCell,
+    WindowGeometry, WindowOptions,
 };
 use floorguard_mapping_host::output::plan_map;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
