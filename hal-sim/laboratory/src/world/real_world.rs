@@ -187,9 +187,7 @@ impl World<'_> {
             if !imu.is_empty() {
                 simulation.receive(Stream::ImuSerial, &imu);
             }
-            if let Some(actuated) = actuated {
-                actuated.play(simulation, to_us);
-            }
+            actuated.iter_mut().for_each(|actuated| actuated.play(simulation, to_us));
             observer.after_tasks(shared);
             if to_us >= judge_us {
                 judge_us += JUDGE_US;

@@ -182,17 +182,22 @@ pub(super) fn run_to(
             });
         })
     })?;
+    finish(&mut watch, &window, arguments.outputs.window.as_deref())?;
+    say!("floorguard run: guard ring {}", lateness.figures());
+    say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
+    all_written(watch.unwritten.as_ref())?;
+    Ok(navigation)
+}
+
+/// What was learned, and the window that the lidar on a motor has left.
+fn finish(watch: &mut Watch<'_>, window: &WindowWatch, folder: Option<&Path>) -> anyhow::Result<()> {
     if let Some(learner) = watch.learner.take() {
         let positions = learner.finish(Calendar::now())?;
         say!("floorguard run: learned {positions} positions of people");
     }
     watch.reports_learned_state();
     window.report().iter().for_each(|report| say!("floorguard run: window: {}", report.words()));
-    leave_window(arguments.outputs.window.as_deref(), &window)?;
-    say!("floorguard run: guard ring {}", lateness.figures());
-    say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
-    all_written(watch.unwritten.as_ref())?;
-    Ok(navigation)
+    leave_window(folder, window)
 }
 
 /// How to operate it, what this robot does without, and who drives it.
