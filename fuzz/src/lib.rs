@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use floorguard_tests::fuzz::Corpus;
+use floorguard_tests::fuzz::scanning::ScanningCorpus;
 
 /// The robot's state is large, and moved by value when a run begins.
 const STACK_BYTES: usize = 64 << 20;
@@ -31,6 +32,13 @@ pub fn joined(messages: &[Vec<u8>]) -> Vec<u8> {
 pub fn corpus() -> &'static Corpus {
     static CORPUS: OnceLock<Corpus> = OnceLock::new();
     CORPUS.get_or_init(Corpus::simulated)
+}
+
+/// What a lidar and its motor sent, made once.
+#[must_use]
+pub fn scanning_corpus() -> &'static ScanningCorpus {
+    static CORPUS: OnceLock<ScanningCorpus> = OnceLock::new();
+    CORPUS.get_or_init(ScanningCorpus::simulated)
 }
 
 /// Runs on a thread whose stack holds a whole robot; its panic becomes ours.

@@ -4,11 +4,13 @@ use floorguard_laboratory::world::record_plan_in_real_time;
 use std::fs::File;
 use std::io::BufReader;
 
-use floorguard_laboratory::world::{Observer, Plan, run_real_recorded, run_virtual};
+use floorguard_configuration::{ActuatedLidarConfiguration, EXAMPLE, parse};
+use floorguard_laboratory::world::{CarrierFigures, Observer, Plan, run_real_recorded, run_virtual};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
 use floorguard_recording::{RawStream, Recording, topics};
 use floorguard_runtime::shared::PeopleReport;
+use floorguard_types::geometry::{Point2, Point3};
 
 const DURATION_US: u64 = 10_000_000;
 
@@ -16,7 +18,8 @@ const DURATION_US: u64 = 10_000_000;
 /// sees people. A busy machine may make it stop for a late sensor, so distances are only bounded from below.
 #[test]
 fn real_carriers_give_the_verdict_of_virtual_time() {
-    let plan = Plan::named("crossing", 2, DURATION_US).unwrap();
+    let mut plan = Plan::named("crossing", 2, DURATION_US).unwrap();
+    plan.actuated_lidar = Some(actuated_lidar());
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
     run_virtual(&plan, &mut observer).unwrap();
@@ -34,6 +37,7 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     assert!(real_time.ready_s.is_some(), "never ready: {:?}", real_time.under_cause_s);
     assert!(real_time.verdict.distance_m > 1.0, "{:?}", real_time.under_cause_s);
     assert!(real_time.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", real_time.verdict);
+    the_window_shows_the_scene(&plan, &figures);
     everything_is_recorded(&file);
     let (outcome, sweeps) = replay(&file);
     // Threads in real time do not repeat; the recording keeps their order, and every decision comes back to the bit.
@@ -44,6 +48,31 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     );
     assert!(sweeps > 80, "{sweeps} sweeps");
     assert_eq!((outcome.digest, sweeps), (replay(&file).0.digest, sweeps));
+}
+
+/// A UST-10LX over TCP on a motor that turns by ±60° in two seconds.
+fn actuated_lidar() -> ActuatedLidarConfiguration {
+    let section = "[actuated_lidar]\nmodel = \"ust-10lx\"\nsource = \"tcp:192.168.0.10:10940\"\n\
+        motor_source = \"socketcan:can1\"\nwindow_deg = 60\nspeed_radps = 1.0\nheight_m = 0.57\ncell_m = 0.1\n\
+        people_source = \"udp:127.0.0.1:7300\"\n";
+    let read = parse("robot.toml", &format!("{EXAMPLE}\n{section}")).unwrap();
+    read.carriers.actuated_lidar.unwrap()
+}
+
+/// Both wires were asked and understood while the robot drove: the surfaces of the window are those of the scene. People who are
+/// not in the boxes of a picture, because they are far or hidden in part, stay among them.
+fn the_window_shows_the_scene(plan: &Plan, figures: &CarrierFigures) {
+    let window = figures.window.as_ref().expect("a window");
+    assert!(window.faults.is_empty() && window.scans > 100, "{}", window.words());
+    assert!(window.free_m2 > 1.0 && window.cells > 300, "{}", window.words());
+    let (scene, start) = (plan.scenario.scene.build(), plan.odometry_in_world());
+    let above: Vec<Point3> = figures.surfaces.iter().copied().filter(|point| point.z_m > 0.15).collect();
+    let near = above.iter().filter(|point| {
+        let place = start.transform(Point2::new(point.x_m, point.y_m));
+        scene.nearest_obstacle(place).is_some_and(|(_, gap_m)| gap_m < 0.2)
+    });
+    let near = near.count();
+    assert!(above.len() > 100 && near * 10 >= above.len() * 9, "{near} of {}", above.len());
 }
 
 /// Every line has its bytes, and what the robot made of them stands beside it.

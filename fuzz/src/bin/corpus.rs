@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use floorguard_fuzz::{corpus, joined};
+use floorguard_fuzz::{corpus, joined, scanning_corpus};
 use floorguard_configuration::EXAMPLE;
 use floorguard_tests::fuzz::{files, messages};
 
@@ -17,7 +17,7 @@ fn main() -> std::io::Result<()> {
     let scan = messages::microscan3_message(40);
     // Inputs that are read as numbers need no example of them, only space for some.
     let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
-    let of_targets: [(&str, Vec<Vec<u8>>); 11] = [
+    let of_targets: [(&str, Vec<Vec<u8>>); 13] = [
         ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),
         ("position", simulated.position.clone()),
         ("s300", simulated.scanner.clone()),
@@ -28,6 +28,8 @@ fn main() -> std::io::Result<()> {
         ("velocity_link", messages::velocity_requests().chunks(8).map(joined).collect()),
         ("configuration", [vec![EXAMPLE.as_bytes().to_vec()], files::sections_of(EXAMPLE)].concat()),
         ("recording", vec![messages::recording()]),
+        ("scip", scanning_corpus().replies.clone()),
+        ("scan_motor", numbers.clone()),
         ("runtime", numbers),
     ];
     for (target, inputs) in of_targets {

@@ -10,5 +10,5 @@ mod room;
 pub use lidar::{LidarModel, ScanLidar};
 pub use motor::TurningMotor;
 pub use picture::{MIRROR, MirrorCamera, PersonView, Ring};
-pub use rig::{Rig, RigEvent, RigFault};
+pub use rig::{MountedLidar, Rig, RigEvent, RigFault};
 pub use room::{ROOMS, Room};

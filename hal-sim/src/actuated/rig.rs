@@ -9,7 +9,8 @@ use super::motor::TurningMotor;
 use super::picture::{MirrorCamera, PersonView, Ring};
 use super::room::Room;
 use crate::can::CanFrame;
-use crate::people::{BodyPart, body_parts};
+use crate::people::{BodyPart, Person, body_parts};
+use crate::scene::Scene;
 
 const STEP_US: u64 = 1_000;
 /// Height of the lidar above the floor, metres (Dalmedico et al. 2019).
@@ -56,14 +57,66 @@ pub struct Rig {
     on_the_way: Vec<(u64, RigEvent)>,
     scans: u32,
     angles: u32,
+    mounted: MountedLidar,
+    /// Another world moves robot and people.
+    is_carried: bool,
+}
+
+/// Where the lidar is on its robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MountedLidar {
+    /// The motor's axis in the base frame, forward and left, and the height of the optical centre, metres.
+    pub place_m: [f32; 3],
+    /// The motor's node.
+    pub node: u8,
+}
+
+impl MountedLidar {
+    /// Over the robot's centre (Dalmedico et al. 2019).
+    pub const PUBLISHED: Self = Self { place_m: [0.0, 0.0, HEIGHT_M], node: 11 };
 }
 
 impl Rig {
     /// At time 0. The motor is node 11.
     #[must_use]
     pub fn new(room: Room, model: LidarModel, (faults, seed): (Vec<RigFault>, u64)) -> Self {
-        let (lidar, motor, pose) = (ScanLidar::new(model, seed), TurningMotor::new(11), room.start);
-        Self { room, lidar, motor, faults, pose, now_us: 0, on_the_way: Vec::new(), scans: 0, angles: 0 }
+        Self::mounted(room, model, (MountedLidar::PUBLISHED, faults, seed))
+    }
+
+    /// On a robot of another world: its scene, and [`Rig::follow`] from step to step.
+    #[must_use]
+    pub fn carried(scene: Scene, model: LidarModel, (mounted, seed): (MountedLidar, u64)) -> Self {
+        let start = Pose2::default();
+        let room = Room { scene, people: Vec::new(), start, speed_mps: 0.0, turn_radps: 0.0 };
+        Self { is_carried: true, ..Self::mounted(room, model, (mounted, Vec::new(), seed)) }
+    }
+
+    fn mounted(
+        room: Room,
+        model: LidarModel,
+        (mounted, faults, seed): (MountedLidar, Vec<RigFault>, u64),
+    ) -> Self {
+        let (lidar, motor, pose) = (ScanLidar::new(model, seed), TurningMotor::new(mounted.node), room.start);
+        Self {
+            room,
+            lidar,
+            motor,
+            faults,
+            pose,
+            now_us: 0,
+            on_the_way: Vec::new(),
+            scans: 0,
+            angles: 0,
+            mounted,
+            is_carried: false,
+        }
+    }
+
+    /// Where people and robot are now.
+    pub fn follow(&mut self, people: &[Person], pose: Pose2) {
+        self.room.people.clear();
+        self.room.people.extend_from_slice(people);
+        self.pose = pose;
     }
 
     /// Where the robot really is.
@@ -109,7 +162,7 @@ impl Rig {
                 RigFault::AnglesLost { every } => Some((*every).max(1)),
                 _ => None,
             });
-            if frame.id == 0x180 + 11 {
+            if frame.id == 0x180 + u32::from(self.mounted.node) {
                 self.angles += 1;
                 if every.is_some_and(|every| !self.angles.is_multiple_of(every)) {
                     continue;
@@ -149,13 +202,15 @@ impl Rig {
         let turned_rad = self.motor.angle_rad() - before_rad;
         let bodies: Vec<BodyPart> = self.room.people.iter().flat_map(body_parts).collect();
         let scene = &self.room.scene;
+        let [axis_x_m, axis_y_m, height_m] = self.mounted.place_m;
+        let axis = before_pose.compose(Pose2::new(axis_x_m, axis_y_m, 0.0));
         let range_m = |at_us: f64, elevation_rad: f64| {
             let part = ((at_us - begin_us as f64) / STEP_US as f64).clamp(0.0, 1.0);
             let azimuth = f64::from(before_pose.heading_rad) + before_rad + part * turned_rad;
             let (sin, cos) = libm::sincos(elevation_rad);
             let direction =
                 Vector::new((cos * libm::cos(azimuth)) as f32, (cos * libm::sin(azimuth)) as f32, sin as f32);
-            let origin = Vector::new(before_pose.x_m, before_pose.y_m, HEIGHT_M);
+            let origin = Vector::new(axis.x_m, axis.y_m, height_m);
             let ray = Ray::new(origin, direction);
             let body = bodies.iter().filter_map(|part| part.cast(&ray, REACH_M));
             body.chain(scene.cast(origin, direction, REACH_M).map(|hit| hit.range_m)).reduce(f32::min)
@@ -183,6 +238,9 @@ impl Rig {
     }
 
     fn drive(&mut self, step_s: f32) {
+        if self.is_carried {
+            return;
+        }
         let (sin, cos) = libm::sincosf(self.pose.heading_rad);
         let ahead_m = self.room.speed_mps * step_s;
         self.pose = Pose2::new(

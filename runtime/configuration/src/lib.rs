@@ -1,6 +1,7 @@
 //! `robot.toml`: read strictly, refused with file, line, the limit broken and a remedy.
 
 mod absent;
+mod actuated_lidar;
 mod address;
 mod asked;
 mod bake;
@@ -23,6 +24,7 @@ mod sensors;
 mod warnings;
 
 pub use absent::{Absence, absences};
+pub use actuated_lidar::{ActuatedLidarConfiguration, ScipAddress, ScipModel};
 pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};

@@ -10,6 +10,7 @@ use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
+use super::actuated_lidar::ActuatedLidarConfiguration;
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::base::BaseSection;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
@@ -43,6 +44,8 @@ pub struct Carriers {
     pub base: Option<BaseAddress>,
     /// Floor camera.
     pub camera: Option<CameraConfiguration>,
+    /// Lidar on its side that a motor turns.
+    pub actuated_lidar: Option<ActuatedLidarConfiguration>,
 }
 
 /// A complete, checked configuration.
@@ -209,6 +212,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             can: can_address,
             base: base_address,
             camera: camera.flatten(),
+            actuated_lidar: sensors.actuated_lidar.flatten(),
         },
         mission,
         navigation,

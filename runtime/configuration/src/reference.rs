@@ -67,7 +67,14 @@ fn without(from: &str, to: &str) -> String {
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
-    let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, OPTIONAL].concat();
+    let with_all = [
+        super::EXAMPLE,
+        "\n",
+        super::camera::EXAMPLE_SECTION,
+        super::actuated_lidar::EXAMPLE_SECTION,
+        OPTIONAL,
+    ]
+    .concat();
     let mut rows = rows_of(&with_all);
     let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
     let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();
@@ -126,7 +133,7 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]` and every `[[field]]` may be missing as a whole.
+`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[actuated_lidar]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]` and every `[[field]]` may be missing as a whole.
 `floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
@@ -148,6 +155,13 @@ the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.
+
+`[actuated_lidar]` is a Hokuyo lidar on its side that a CiA 402 motor turns about a vertical axis: `run` builds the window of surfaces
+around the robot from both ([Sliding window](algorithms/sliding-window.md)). The guard does not hear of it. With `people_source` a
+program beside, which looks at the pictures of a panoramic camera, sends one datagram a picture: `{\"age_s\": 0.05, \"boxes\": [[-0.1, 0.1,
+-0.7, 0.4]]}`, how old the picture is, and for each person least and largest azimuth and least and largest elevation from the camera,
+radians, left and up positive. What lies in a box leaves the window, and where two sweeps saw the same person walk, the list of people
+hears of it: that can only add a person.
 
 `accept_unseen` in `[guard]` names what no sensor sees of the volume that the body goes into, as `floorguard check` prints it; `run`
 refuses a gap that is not named, and a name without a gap ([Coverage of the sensors](algorithms/coverage.md)).

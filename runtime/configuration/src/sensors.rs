@@ -2,6 +2,7 @@
 
 use floorguard_runtime::configuration::{ImuConfiguration, LidarConfiguration, ScannerConfiguration};
 
+use super::actuated_lidar::{ActuatedLidarConfiguration, check_motor_bus, read_actuated_lidar};
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::command::CommandAddress;
 use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
@@ -23,6 +24,8 @@ pub(super) struct Sensors {
     pub(super) scanner: Read<ScannerConfiguration, ScannerAddress>,
     pub(super) rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
     pub(super) imu: Option<Read<ImuConfiguration, SerialAddress>>,
+    /// None of the guard's, but it shares no line with them either.
+    pub(super) actuated_lidar: Option<Option<ActuatedLidarConfiguration>>,
 }
 
 impl Sensors {
@@ -32,6 +35,7 @@ impl Sensors {
             scanner: read_scanner(top.section_because("scanner", NO_SCANNER)),
             rear_scanner: top.optional_section("rear_scanner").map(read_rear_scanner),
             imu: top.optional_section("imu").map(read_imu),
+            actuated_lidar: top.optional_section("actuated_lidar").map(read_actuated_lidar),
         }
     }
 
@@ -44,7 +48,12 @@ impl Sensors {
         let Some((first, scanner)) = &self.scanner else { return };
         let (lidar, imu) = (address_of(&self.lidar), address_of(&self.imu));
         let rear_scanner = address_of(&self.rear_scanner);
-        check_addresses(top, &Addresses { lidar, scanner, rear_scanner, imu, can, base, command });
+        let actuated_lidar = self.actuated_lidar.as_ref().and_then(Option::as_ref);
+        check_addresses(
+            top,
+            &Addresses { lidar, scanner, rear_scanner, imu, can, base, command, actuated_lidar },
+        );
+        check_motor_bus(top, actuated_lidar, can);
         let rear = self.rear_scanner.as_ref().and_then(Option::as_ref);
         check_planes(top, first, rear.map(|(scanner, _)| scanner));
     }

@@ -1,4 +1,4 @@
-//! The robot on a Linux computer: its tasks on two rings, camera, cleaning, what it knows of its place, what it learns.
+//! The robot on a Linux computer: its tasks on two rings, camera, lidar on a motor, cleaning, what it knows of its place, what it learns.
 //!
 //! Nothing here knows the simulator or the laboratory.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
@@ -6,6 +6,7 @@
 #[macro_use]
 extern crate floorguard_host;
 
+pub mod actuated;
 pub mod assembly;
 pub mod camera;
 pub mod cleaner;

@@ -50,6 +50,23 @@ impl Building {
         building
     }
 
+    /// One hall of 12 m by 9 m with shelves along a wall, a cupboard and a counter: wide enough for the robot to turn anywhere on its
+    /// way.
+    #[must_use]
+    pub fn hall() -> Self {
+        let mut hall = Self { length_m: 12.0, ..Self::default() };
+        for y in [-4.5, 4.5] {
+            hall.wall([0.0, 12.0], [y; 2]);
+        }
+        for x in [0.0, 12.0] {
+            hall.wall([x; 2], [-4.5, 4.5]);
+        }
+        hall.solid([4.0, 3.9], [3.0, 0.4], [0.0, 1.9]);
+        hall.solid([8.5, 3.6], [0.8, 0.6], [0.0, 1.2]);
+        hall.solid([3.0, -4.0], [2.0, 0.7], [0.0, 0.9]);
+        hall
+    }
+
     fn wall(&mut self, x: [f32; 2], y: [f32; 2]) {
         let half = 0.5 * WALL_M;
         let (y_low, y_high) = (y[0].min(y[1]), y[0].max(y[1]));

@@ -3,6 +3,7 @@
 mod building;
 mod camera;
 mod chance;
+mod driven;
 mod erasor;
 mod experiment;
 mod octomap;
@@ -15,6 +16,7 @@ mod sim3d;
 mod twice;
 mod walkers;
 
+pub use driven::{Driven, driven_revisit};
 pub use experiment::people_removal;
 pub use remove::{Outcome, Surveys, erasor, octomap, ours};
 pub use revisit::{RevisitClouds, Revisited, Round};

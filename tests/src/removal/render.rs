@@ -65,6 +65,12 @@ impl Drive {
         self.poses.push([time_s + turn.abs() / TURN_RADPS + 0.01, x, y, heading + turn]);
     }
 
+    /// Is at x, y and heading so many seconds later.
+    pub fn pass(&mut self, [x, y, heading]: [f32; 3], after_s: f32) {
+        let [time_s, _, _, before] = self.last();
+        self.poses.push([time_s + after_s, x, y, before + wrap(heading - before)]);
+    }
+
     /// Stands still.
     pub fn wait(&mut self, seconds: f32) {
         let [time_s, x, y, heading] = self.last();

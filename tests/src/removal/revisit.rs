@@ -91,11 +91,34 @@ impl Revisited {
         Self { building, people: vec![person], drives: vec![(drive, track)], seed: 9 }
     }
 
+    /// A building that was surveyed so, and who was in it.
+    #[must_use]
+    pub(super) fn of(building: Building, people: Vec<Walker>, survey: Drive, seed: u64) -> Self {
+        let track = survey.track();
+        Self { building, people, drives: vec![(survey, track)], seed }
+    }
+
     /// Surveys and drives the tours; ends earlier once nobody was seen in the newest drive.
     ///
     /// # Panics
     /// Never: the edge of the voxels is a valid one.
     pub fn run(&mut self) -> (Vec<Round>, RevisitClouds) {
+        let [_, x, y, heading] = self.drives[0].0.last();
+        let mut from = [x, y, heading];
+        self.run_by(|_| true, &mut |tour, start_s| {
+            let drive = corridor_tour(tour, from, start_s);
+            let [_, x, y, heading] = drive.last();
+            from = [x, y, heading];
+            drive
+        })
+    }
+
+    /// The same, where somebody else drives the tours: of the poses to look from and the time at which it begins becomes a drive.
+    pub(super) fn run_by(
+        &mut self,
+        is_reachable: impl Fn(Pose2) -> bool,
+        drive_tour: &mut dyn FnMut(&[Pose2], f32) -> Drive,
+    ) -> (Vec<Round>, RevisitClouds) {
         let mut rounds = Vec::new();
         let mut stops = 0;
         loop {
@@ -105,30 +128,14 @@ impl Revisited {
             if is_done {
                 return (rounds, clouds);
             }
-            stops = self.drive_tour(&sightings);
+            let [time_s, x, y, heading] = self.drives[self.drives.len() - 1].0.last();
+            let start = Pose2::new(x, y, heading);
+            let tour = revisits(&sightings, start, RevisitRule::default(), &is_reachable);
+            let drive = drive_tour(&tour, time_s + PAUSE_S);
+            let track = drive.track();
+            self.drives.push((drive, track));
+            stops = tour.len();
         }
-    }
-
-    /// Drives to where people were seen from in the newest drive, by the corridor; answers how many poses that are.
-    fn drive_tour(&mut self, sightings: &[Sighting]) -> usize {
-        let Some([time_s, x, y, heading]) = self.drives.last().map(|(drive, _)| drive.last()) else {
-            return 0;
-        };
-        let tour = revisits(sightings, Pose2::new(x, y, heading), RevisitRule::default(), |_| true);
-        let mut drive = Drive::begin([x, y, heading], time_s + PAUSE_S);
-        for stop in &tour {
-            let [_, x, y, _] = drive.last();
-            if (stop.x_m - x).hypot(stop.y_m - y) > 0.3 {
-                drive.go_to([x, 0.0]);
-                drive.go_to([stop.x_m, 0.0]);
-                drive.go_to([stop.x_m, stop.y_m]);
-            }
-            drive.face(stop.heading_rad);
-            drive.wait(DWELL_S);
-        }
-        let track = drive.track();
-        self.drives.push((drive, track));
-        tour.len()
     }
 
     /// All drives so far, cleaned together; people that the newest of them saw.
@@ -185,6 +192,22 @@ impl Revisited {
         });
         images
     }
+}
+
+/// By the corridor from stop to stop, as if there were no obstacles on it.
+fn corridor_tour(tour: &[Pose2], from: [f32; 3], start_s: f32) -> Drive {
+    let mut drive = Drive::begin(from, start_s);
+    for stop in tour {
+        let [_, x, y, _] = drive.last();
+        if (stop.x_m - x).hypot(stop.y_m - y) > 0.3 {
+            drive.go_to([x, 0.0]);
+            drive.go_to([stop.x_m, 0.0]);
+            drive.go_to([stop.x_m, stop.y_m]);
+        }
+        drive.face(stop.heading_rad);
+        drive.wait(DWELL_S);
+    }
+    drive
 }
 
 fn boxes(sightings: &[Sighting]) -> BoxIndex {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use floorguard_mapping_host::output::{CloudPage, cloud_page};
 
+use super::driven::{Driven, driven_revisit};
 use super::revisit::{Revisited, Round};
 
 /// Seed of the buildings.
@@ -62,6 +63,20 @@ fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool>
             std::fs::write(folder.join(if number == 0 { "office.html" } else { "conference.html" }), page)?;
         }
     }
+    let driven = driven_revisit(SEED)?;
+    let name = "hall, tour driven by the robot itself";
+    driven.rounds.iter().enumerate().for_each(|(round, each)| row(table, (name, round), each));
+    holds &= driven.reached == driven.legs && driven.contacts == 0;
+    if let Some(last) = driven.rounds.last() {
+        holds &= last.areas.filled_share() >= FILLED && last.score.dynamic_accuracy() >= REMOVED;
+        holds &= last.seen == 0;
+    }
+    let Driven { legs, reached, contacts, driven_m, .. } = driven;
+    let _ = writeln!(
+        table,
+        "\nby the robot itself: {reached} of {legs} stops of its tours reached, {contacts} contacts that its sensors could have \
+         avoided, {driven_m:.0} m driven"
+    );
     filled.sort_by(f32::total_cmp);
     let (worst, median) = (filled[0], filled[filled.len() / 2]);
     let _ =

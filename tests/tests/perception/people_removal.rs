@@ -38,6 +38,39 @@ fn is_in(boxes: &[[f32; 6]], point: [f32; 3], grown_m: f32) -> bool {
     boxes.iter().any(inside)
 }
 
+/// Boxes out of order, of another picture, and a mounting that is no rotation: each is named, and the former map stays as it was.
+fn refused_boxes_lose_nothing(arguments: &CleanArguments, folder: &Path) {
+    let camera = |side: &str| {
+        format!(
+            "{{\"width\": 640, \"height\": 480, \"focal_px\": [320, 320], \"centre_px\": [320, 240], \"camera_from_lidar\": \
+             [[0, {side}, 0, 0], [0, 0, -1, 0], [1, 0, 0, 0], [0, 0, 0, 1]]}}"
+        )
+    };
+    let boxes = |time_s: f64, right: u32| {
+        format!("time_s,left,top,right,bottom\n0.5,1,2,30,40\n{time_s},1,2,{right},40\n")
+    };
+    let before = std::fs::read(arguments.out.join("clean.ply")).expect("the first map");
+    for (boxes, camera, reported) in [
+        (boxes(0.3, 30), camera("-1"), "out of order"),
+        (boxes(0.6, 1_900), camera("-1"), "another size"),
+        (boxes(0.6, 30), camera("-2"), "no rotation"),
+    ] {
+        let files = [("boxes.csv", boxes), ("camera.json", camera)].map(|(name, text)| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).expect("written");
+            Some(path)
+        });
+        let [boxes, camera] = files;
+        let refused = clean_map(&CleanArguments { boxes, camera, ..arguments.clone() }).expect_err(reported);
+        assert!(refused.to_string().contains(reported), "{reported}: {refused:#}");
+        assert_eq!(
+            std::fs::read(arguments.out.join("clean.ply")).expect("still there"),
+            before,
+            "{reported}"
+        );
+    }
+}
+
 #[test]
 fn walkers_leave_the_recorded_hall() {
     let capture = recording("vlp16_clouds/fabu_hall_people_A_reencoded.pcap.gz");
@@ -47,6 +80,7 @@ fn walkers_leave_the_recorded_hall() {
     let arguments =
         CleanArguments { files: vec![capture], out: out.clone(), cube_m: 0.02, ..CleanArguments::default() };
     clean_map(&arguments).expect("the hall is cleaned");
+    refused_boxes_lose_nothing(&arguments, folder.path());
     let (clean, removed) = (cloud(&out.join("clean.ply")), cloud(&out.join("removed.ply")));
     assert!(people.len() > 250 && clean.len() > 20_000, "{} boxes, {} points", people.len(), clean.len());
     let among =

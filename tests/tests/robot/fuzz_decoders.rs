@@ -5,6 +5,7 @@
 use floorguard_configuration::EXAMPLE;
 use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
+use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
 use floorguard_tests::fuzz::{Corpus, corrupt, decoders, files, messages, pick};
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
@@ -127,6 +128,23 @@ fn fuzz_velocity_link() {
         let frames: Vec<_> = (0..1 + random.below(8)).map(|_| frame(random)).collect();
         decoders::velocity_link(&frames)
     });
+}
+
+#[test]
+fn fuzz_scip() {
+    let corpus = ScanningCorpus::simulated();
+    campaign(3_000, |random| {
+        let parts = 1 + random.below(3);
+        let bytes: Vec<u8> = (0..parts).flat_map(|_| corrupted(&corpus.replies, 4_096, random)).collect();
+        // A whole conversation costs as much as some fifty trials.
+        scanning::scip(&corpus, &bytes, random.seldom(100))
+    });
+}
+
+#[test]
+fn fuzz_scan_motor() {
+    let corpus = ScanningCorpus::simulated();
+    campaign_of(3_000, scanning::MOTOR_FRAMES, |random| scanning::scan_motor(&corpus, random));
 }
 
 #[test]

@@ -19,6 +19,12 @@ const INTERVAL_S: core::ops::RangeInclusive<f32> = 0.1..=2.0;
 const SPEED_MAX_MPS: f32 = 2.5;
 /// Returns of one sweep that lie so far apart are of one person, metres: a stride.
 const BODY_M: f32 = 0.8;
+/// A sweep has left a person from whom no return came for so long: two scans of ten a second, microseconds.
+const PASSED_US: u64 = 250_000;
+/// Fewer returns are no person.
+const RETURNS_MIN: u16 = 5;
+/// A person of unknown velocity walks no faster than this most of the time, m/s.
+const WALK_MPS: f32 = 0.8;
 
 /// A person as one sweep saw them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,6 +64,19 @@ impl MovementArrow {
     }
 }
 
+/// A person whom the sweep has left behind: a detection for a tracker.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassedPerson {
+    /// When the last return came.
+    pub stamp: Stamp,
+    /// Where the person was then: the mean of the returns, moved on by the velocity if that is known, in odometry.
+    pub position_in_odometry: Point2,
+    /// Standard deviation, metres: greater where the velocity is unknown.
+    pub sigma_m: f32,
+    /// How many returns.
+    pub returns: u16,
+}
+
 /// Returns of a person in the sweep so far.
 #[derive(Clone, Copy, Debug)]
 struct Gathered {
@@ -65,7 +84,10 @@ struct Gathered {
     /// Sum of times since the first return, seconds.
     seconds: f32,
     first: Stamp,
+    last: Stamp,
     returns: u16,
+    /// It was given to the tracker.
+    is_given: bool,
 }
 
 impl Gathered {
@@ -123,12 +145,45 @@ impl MovementArrows {
             same.sum.y_m += position_in_odometry.y_m;
             same.seconds += stamp.seconds_since(same.first);
             same.returns = same.returns.saturating_add(1);
+            same.last = stamp;
             return;
         }
-        let first = Gathered { sum: position_in_odometry, seconds: 0.0, first: stamp, returns: 1 };
+        let first = Gathered {
+            sum: position_in_odometry,
+            seconds: 0.0,
+            first: stamp,
+            last: stamp,
+            returns: 1,
+            is_given: false,
+        };
         if self.gathered.push(first).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
+    }
+
+    /// The next person whom the sweep has left behind, each once a sweep; `None` when all were given. A sweep takes seconds: at its
+    /// end the first people of it would be too old for a tracker. Cost: 16 comparisons.
+    pub fn next_passed(&mut self, now: Stamp) -> Option<PassedPerson> {
+        let is_passed = |one: &&mut Gathered| {
+            !one.is_given && one.returns >= RETURNS_MIN && one.last.past_us(now) >= PASSED_US
+        };
+        let passed = self.gathered.iter_mut().find(is_passed)?;
+        passed.is_given = true;
+        let (sighting, last) = (passed.sighting(), passed.last);
+        let since_s = last.seconds_since(sighting.stamp);
+        let known = self.before.iter().filter_map(|before| arrow(before, &sighting));
+        let slowest = known.min_by(|a, b| a.speed_mps().total_cmp(&b.speed_mps()));
+        let velocity = slowest.map_or((0.0, 0.0), |arrow| (arrow.velocity_x_mps, arrow.velocity_y_mps));
+        let mean = sighting.position_in_odometry;
+        Some(PassedPerson {
+            stamp: last,
+            position_in_odometry: Point2::new(
+                mean.x_m + velocity.0 * since_s,
+                mean.y_m + velocity.1 * since_s,
+            ),
+            sigma_m: SIGHTING_SIGMA_M + if slowest.is_some() { 0.0 } else { WALK_MPS * since_s },
+            returns: sighting.returns,
+        })
     }
 
     /// Ends the sweep: the motor reverses. Sightings become arrows with the nearest plausible ones of the sweep before. Cost:
@@ -211,6 +266,30 @@ mod tests {
         assert!((arrows.arrows()[0].heading_rad() - core::f32::consts::FRAC_PI_2).abs() < 1e-6);
         arrows.take(Point2::new(f32::NAN, 0.0), Stamp::ZERO);
         assert_eq!(arrows.dropped(), 1);
+    }
+
+    /// Each person once, soon after the sweep has left them; moved on where two sweeps show how they walk.
+    #[test]
+    fn passed_people_are_given_once() {
+        let mut arrows = MovementArrows::new();
+        for (begin_ms, from_m) in [(0, 0.0), (1_500, 0.6)] {
+            for scan in 0..6_u64 {
+                let along_m = from_m + 0.04 * scan as f32;
+                arrows.take(Point2::new(2.0, along_m), Stamp::from_micros(1_000 * (begin_ms + 100 * scan)));
+            }
+            assert_eq!(arrows.next_passed(Stamp::from_micros(1_000 * (begin_ms + 700))), None);
+            let now = Stamp::from_micros(1_000 * (begin_ms + 750));
+            let person = arrows.next_passed(now).unwrap();
+            assert_eq!((person.stamp, person.returns), (Stamp::from_micros(1_000 * (begin_ms + 500)), 6));
+            let (behind_m, sigma_m) = if begin_ms == 0 { (0.1, 0.35) } else { (0.0, 0.15) };
+            let at_m = from_m + 0.2 - behind_m;
+            assert!((person.position_in_odometry.y_m - at_m).abs() < 1e-3, "{person:?}");
+            assert!((person.sigma_m - sigma_m).abs() < 1e-3, "{person:?}");
+            assert_eq!(arrows.next_passed(now), None);
+            arrows.end_sweep();
+        }
+        arrows.take(Point2::new(2.0, 0.0), Stamp::ZERO);
+        assert_eq!(arrows.next_passed(Stamp::from_micros(9_000_000)), None, "one return is no person");
     }
 
     #[test]

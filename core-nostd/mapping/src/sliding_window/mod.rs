@@ -23,7 +23,7 @@ mod sight;
 mod turn;
 mod window;
 
-pub use arrow::{MovementArrow, MovementArrows, SIGHTING_SIGMA_M, Sighting};
+pub use arrow::{MovementArrow, MovementArrows, PassedPerson, SIGHTING_SIGMA_M, Sighting};
 pub use capacities::{
     FINE_WINDOW_CELLS, PERSON_BOXES_MAX, SIGHT_BEARINGS, WINDOW_BEAMS_MAX, WINDOW_CELLS, WINDOW_HALF_WIDTH_M,
     WINDOW_HEIGHT_M,

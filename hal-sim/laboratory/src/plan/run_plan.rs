@@ -17,7 +17,7 @@ use super::outside::OutsideProgram;
 use super::recorded_lidar::RecordedLidar;
 use super::true_robot::{true_robot, unplayable};
 use floorguard_configuration::{
-    CommandConfiguration, EXAMPLE, NavigationConfiguration, parse,
+    ActuatedLidarConfiguration, CommandConfiguration, EXAMPLE, NavigationConfiguration, parse,
 };
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
@@ -68,6 +68,8 @@ pub struct Plan {
     pub lidar: Option<Arc<RecordedLidar>>,
     /// The program that drives the robot from outside instead of the route; with `outside` its script.
     pub command: Option<CommandConfiguration>,
+    /// A lidar that a motor turns: in real time its bytes cross real carriers, too.
+    pub actuated_lidar: Option<ActuatedLidarConfiguration>,
     /// What that program sends in virtual time.
     pub outside: Option<OutsideProgram>,
     /// Something was taken from the robot to see whether its judges notice: its faults excuse nothing.
@@ -143,6 +145,7 @@ impl Plan {
             lidar_grain: 1,
             lidar: None,
             command: None,
+            actuated_lidar: None,
             outside: None,
             is_corrupted: false,
         })
@@ -167,6 +170,7 @@ impl Plan {
         route_limits.turn_radps = route_limits.turn_radps.min(limits.turn_radps);
         let navigation = read.navigation.unwrap_or_else(|| NavigationConfiguration::of_limits(&limits));
         self.navigation_settings = (&navigation).into();
+        self.actuated_lidar = read.carriers.actuated_lidar;
         self.robot = RobotConfiguration { route, route_limits, ..read.robot };
         if let Some(learning) = &read.learning {
             let folder = path.parent().unwrap_or(Path::new("."));

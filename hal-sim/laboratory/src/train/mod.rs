@@ -2,6 +2,7 @@
 
 mod adaboost;
 mod boosting;
+pub mod detector;
 mod leg_file;
 mod leg_scans;
 mod online;

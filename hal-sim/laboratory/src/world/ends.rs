@@ -204,11 +204,11 @@ fn open_interface(name: &str) -> anyhow::Result<CanSocket> {
     Ok(socket)
 }
 
-fn write_all(line: &PseudoTerminal, bytes: &[u8]) -> bool {
+pub(super) fn write_all(line: &PseudoTerminal, bytes: &[u8]) -> bool {
     bytes.is_empty() || rustix::io::write(&line.near, bytes).is_ok_and(|count| count == bytes.len())
 }
 
-fn read_all(line: &PseudoTerminal) -> Vec<u8> {
+pub(super) fn read_all(line: &PseudoTerminal) -> Vec<u8> {
     let mut bytes = vec![0; PORTION_BYTES];
     // Nothing there, or nobody at the other end yet: no bytes.
     let count = rustix::io::read(&line.near, &mut bytes[..]).unwrap_or(0);

@@ -1,5 +1,6 @@
 //! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
 
+mod actuated_end;
 mod by_hand;
 mod ends;
 mod floor_camera;

@@ -2,12 +2,15 @@
 //! and an SLCAN adapter as pseudo-terminals. Nothing repeats bit for bit here; the verdict must be the same all the same.
 
 use floorguard_drivers::can::CanFrame;
+use floorguard_mapping::sliding_window::{CellContent, WindowPoint};
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 use floorguard_sim::FaultLayer;
 use floorguard_sim::{Simulation, Stream};
+use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::time::Stamp;
 
+use super::actuated_end::ActuatedEnd;
 use super::ends::Ends;
 use super::observer::Observer;
 use super::operator::Operator;
@@ -15,6 +18,7 @@ use crate::plan::Plan;
 use floorguard_host::executor::{LatenessFigures, Ring, StopFlag, take_priority};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_operator::telemetry::{TelemetrySender, with_telemetry};
+use floorguard_robot::actuated::{WindowReport, WindowWatch, watch_window};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, run_rings};
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
@@ -23,7 +27,7 @@ use floorguard_robot::learning::{LearningSetup, LearningWriter};
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
 /// What the real carriers did to the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CarrierFigures {
     /// The simulator was behind the clock by at most this, microseconds.
     pub latest_us: u64,
@@ -31,6 +35,10 @@ pub struct CarrierFigures {
     pub refused: u64,
     /// How late the guard ring answered its timers.
     pub guard: LatenessFigures,
+    /// The window around the robot at the end, of a robot with a lidar that a motor turns.
+    pub window: Option<WindowReport>,
+    /// Its surfaces in odometry, metres.
+    pub surfaces: Vec<Point3>,
 }
 
 /// Plays a plan in real time over real carriers. The CAN bus is an interface of the kernel, if one is named, otherwise an
@@ -61,6 +69,8 @@ pub fn run_real_recorded(
     if let Some(address) = links.command.as_ref().and_then(|(command, _)| command.local_address()) {
         say!("  waits for velocities at udp:{address}");
     }
+    let (actuated, window_links) = ActuatedEnd::open(plan)?.unzip();
+    let window = WindowWatch::default();
     let start = clock::now();
     observer.set_clock_start(start);
     if let Some(panel) = &mut sinks.panel {
@@ -87,16 +97,34 @@ pub fn run_real_recorded(
             operated,
             simulation: &mut simulation,
             ends: &mut ends,
+            actuated,
             ended,
             mission: mission.clone(),
             learned: plan.learning.as_ref().map(LearningSetup::writer),
         };
-        let lateness = links.lateness.clone();
+        let (lateness, inbox) = (links.lateness.clone(), links.people.clone());
         let figures = run_rings((&plan.robot, links), &shared, &flag, || {
-            world.play((&shared, &flag, notes), observer)
+            watch_window(window_links, (&shared, &inbox), &window, || {
+                world.play((&shared, &flag, notes), observer)
+            })
         })??;
-        Ok(CarrierFigures { guard: lateness.figures(), ..figures })
+        Ok(CarrierFigures {
+            guard: lateness.figures(),
+            window: window.report(),
+            surfaces: surfaces(&window),
+            ..figures
+        })
     })
+}
+
+fn surfaces(window: &WindowWatch) -> Vec<Point3> {
+    let Some(map) = window.take_map() else { return Vec::new() };
+    let frame = map.window.frame_in_odometry();
+    let place = |one: WindowPoint| {
+        let flat = frame.transform(Point2::new(one.point.x_m, one.point.y_m));
+        Point3::new(flat.x_m, flat.y_m, one.point.z_m)
+    };
+    map.window.points().filter(|one| one.content == CellContent::Surface).map(place).collect()
 }
 
 /// The mission has reported its progress.
@@ -125,6 +153,7 @@ struct World<'a> {
     learned: Option<LearningWriter>,
     simulation: &'a mut Simulation,
     ends: &'a mut Ends,
+    actuated: Option<ActuatedEnd>,
 }
 
 impl World<'_> {
@@ -133,7 +162,7 @@ impl World<'_> {
         (shared, flag, notes): (&HostedShared, &StopFlag, &TelemetrySender<'_>),
         observer: &mut Observer<'_>,
     ) -> anyhow::Result<CarrierFigures> {
-        let Self { plan, start, operated, ended, mission, learned, simulation, ends } = self;
+        let Self { plan, start, operated, ended, mission, learned, simulation, ends, actuated } = self;
         let mut reported = 0;
         let mut faults = FaultLayer::new(&plan.faults, plan.seed);
         let mut operator = Operator::new(plan.emergency_stop_us.clone());
@@ -158,6 +187,7 @@ impl World<'_> {
             if !imu.is_empty() {
                 simulation.receive(Stream::ImuSerial, &imu);
             }
+            actuated.iter_mut().for_each(|actuated| actuated.play(simulation, to_us));
             observer.after_tasks(shared);
             if to_us >= judge_us {
                 judge_us += JUDGE_US;
@@ -190,6 +220,7 @@ impl World<'_> {
             observer.on_learning(report);
         }
         observer.finish(operator.resets());
-        Ok(CarrierFigures { latest_us, refused: ends.refused, guard: LatenessFigures::default() })
+        let refused = ends.refused + actuated.as_ref().map_or(0, |actuated| actuated.refused);
+        Ok(CarrierFigures { latest_us, refused, ..CarrierFigures::default() })
     }
 }

@@ -76,6 +76,9 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
         robot.limits.speed_mps,
     );
     say_absences(configuration);
+    if let Some(actuated) = &configuration.carriers.actuated_lidar {
+        say!("  {}", actuated.words());
+    }
     if let Some(learning) = &configuration.learning {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {

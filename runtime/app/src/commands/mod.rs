@@ -46,6 +46,8 @@ mod sinks;
 mod tape;
 #[cfg(feature = "laboratory")]
 mod train;
+#[cfg(all(feature = "laboratory", feature = "detector"))]
+mod train_detector;
 mod values;
 
 pub use arguments::{Arguments, Command};

@@ -26,11 +26,13 @@ use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::values::{panel_address, seconds};
+use crate::window::leave_window;
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_host::words::counted;
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{RecordedRun, RunSinks, with_telemetry};
+use floorguard_robot::actuated::{WindowLinks, WindowWatch, watch_window};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, Links, run_rings};
 use floorguard_robot::camera::open_source;
@@ -76,6 +78,9 @@ pub struct RunOutputs {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Write the window and the plan of the lidar that a motor turns into this folder at the end.
+    #[arg(long, value_name = "DIR")]
+    pub window: Option<PathBuf>,
     /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
@@ -103,6 +108,12 @@ fn bind_links(configuration: &HostedConfiguration) -> anyhow::Result<Links> {
     Ok(links.map_err(|error| BadInput(error.to_string()))?)
 }
 
+/// Opens what the lidar on a motor needs, if there is one.
+fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<WindowLinks>, WindowWatch)> {
+    let links = configuration.carriers.actuated_lidar.as_ref().map(WindowLinks::bind).transpose();
+    Ok((links.map_err(|error| BadInput(error.to_string()))?, WindowWatch::default()))
+}
+
 /// What a run is for, where it ends by itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Errand {
@@ -128,6 +139,7 @@ pub(super) fn run_to(
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
     let mut links = bind_links(&configuration)?;
+    let (window_links, window) = bind_window(&configuration)?;
     let began = clock::now();
     let shared: Box<HostedShared> = new_shared(&configuration.robot, began)
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
@@ -173,18 +185,28 @@ pub(super) fn run_to(
             let _ = take_priority(Ring::Telemetry);
             let camera =
                 LiveCamera { configuration: &configuration, notes, has_json: arguments.outputs.json };
-            camera.watch(source, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
+            let looked = || watch.until_stopped(&flag, &typed, notes);
+            watch_window(window_links, (&shared, &inbox), &window, || {
+                camera.watch(source, (&shared, &inbox), looked);
+            });
         })
     })?;
+    finish(&mut watch, &window, arguments.outputs.window.as_deref())?;
+    say!("floorguard run: guard ring {}", lateness.figures());
+    say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
+    all_written(watch.unwritten.as_ref())?;
+    Ok(navigation)
+}
+
+/// What was learned, and the window that the lidar on a motor has left.
+fn finish(watch: &mut Watch<'_>, window: &WindowWatch, folder: Option<&Path>) -> anyhow::Result<()> {
     if let Some(learner) = watch.learner.take() {
         let positions = learner.finish(Calendar::now())?;
         say!("floorguard run: learned {positions} positions of people");
     }
     watch.reports_learned_state();
-    say!("floorguard run: guard ring {}", lateness.figures());
-    say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
-    all_written(watch.unwritten.as_ref())?;
-    Ok(navigation)
+    window.report().iter().for_each(|report| say!("floorguard run: window: {}", report.words()));
+    leave_window(folder, window)
 }
 
 /// How to operate it, what this robot does without, and who drives it.

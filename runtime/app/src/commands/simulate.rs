@@ -324,6 +324,7 @@ pub(super) fn play_real(
         figures.refused
     );
     say!("  guard ring: {}", figures.guard);
+    figures.window.iter().for_each(|window| say!("  window: {}", window.words()));
     Ok(observation)
 }
 

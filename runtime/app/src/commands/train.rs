@@ -51,6 +51,10 @@ pub enum TrainWhat {
         #[arg(long)]
         out: PathBuf,
     },
+    /// A small detector of people for `detect-people`, from rendered pictures: it knows nothing of real people.
+    #[cfg(feature = "detector")]
+    #[command(after_help = "Example:\n  floorguard train detector --out people.onnx")]
+    Detector(super::train_detector::TrainDetectorArguments),
     /// Legs in scans, from labelled recordings.
     #[command(after_help = "Example:\n  floorguard train legs --scans scans.csv --out legs.rs")]
     Legs {
@@ -120,6 +124,8 @@ pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
         TrainWhat::People(arguments) => people(arguments),
         TrainWhat::Online(arguments) => online(arguments),
         TrainWhat::Anchors { scenes, count, out } => write_anchors(*scenes, *count, out),
+        #[cfg(feature = "detector")]
+        TrainWhat::Detector(arguments) => super::train_detector::run(arguments),
         TrainWhat::Legs { scans, out, recorded_only } => legs(scans, out, *recorded_only),
     }
 }

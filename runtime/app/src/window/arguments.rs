@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use floorguard_mapping::sliding_window::{CellPolicy, LidarMount};
+use floorguard_robot::actuated::WindowSetup;
 
 /// What to see.
 #[derive(Clone, Debug, Args)]
@@ -52,6 +54,14 @@ pub struct WindowArguments {
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+impl WindowArguments {
+    /// The window of these arguments.
+    pub(super) fn setup(&self, mount: LidarMount) -> WindowSetup {
+        let policy = if self.last_point { CellPolicy::Compat } else { CellPolicy::Nearest };
+        WindowSetup { cell_m: self.cell_m, policy, threshold_m: self.threshold_m, mount }
+    }
 }
 
 /// A simulated lidar.

@@ -6,9 +6,9 @@ use floorguard_mapping_host::output::{OutputFile, check_place, plan_map, replace
 use serde_json::{Value, json};
 
 use super::arguments::WindowArguments;
-use super::map::WindowMap;
 use super::output::{files, page};
 use super::recording;
+use floorguard_robot::actuated::WindowMap;
 
 /// More of the scans refused than this: the map is doubtful.
 const REFUSED_SHARE_MAX: f64 = 0.2;

@@ -8,7 +8,7 @@ use floorguard_mapping_host::output::{
 };
 use floorguard_types::geometry::Point3;
 
-use super::map::WindowMap;
+use floorguard_robot::actuated::WindowMap;
 
 /// Pictures of the page with what they show.
 const PICTURES: [(&str, &str); 4] = [

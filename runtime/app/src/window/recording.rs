@@ -4,11 +4,11 @@ use std::path::Path;
 
 use floorguard_host::outcome::BadInput;
 use floorguard_mapping::sliding_window::LidarMount;
+use floorguard_robot::actuated::WindowMap;
 use floorguard_types::geometry::Point3;
 use floorguard_types::time::Stamp;
 
 use super::arguments::WindowArguments;
-use super::map::WindowMap;
 use crate::mapping_commands::text;
 
 /// An angle belongs to a scan if it was received at most so long before or after it, seconds.
@@ -65,7 +65,7 @@ pub fn play(
 ) -> Result<(WindowMap, Recorded), BadInput> {
     // A scan without any range is a row, too.
     let (scans, servo) = (rows(scans, HEAD)?, rows(servo, 2)?);
-    let mut map = WindowMap::new(arguments, LidarMount::PUBLISHED)?;
+    let mut map = WindowMap::new(&arguments.setup(LidarMount::PUBLISHED))?;
     let mut recorded = Recorded::default();
     let mut newest = Stamp::ZERO;
     for row in &scans {

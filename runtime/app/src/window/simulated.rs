@@ -13,8 +13,7 @@ use floorguard_types::geometry::Pose2;
 use floorguard_types::time::Stamp;
 
 use super::arguments::{FaultArgument, LidarArgument, WindowArguments};
-use super::map::WindowMap;
-use super::session::Session;
+use floorguard_robot::actuated::{Session, WindowMap};
 
 const STEP_US: u64 = 2_000;
 /// From picture to picture.
@@ -66,7 +65,8 @@ pub fn play(arguments: &WindowArguments, name: &str) -> anyhow::Result<Simulated
             see_people(&rig, now, &mut map);
         }
         let (mut bytes, mut frames) = (Vec::new(), Vec::new());
-        session.poll((now, rig.pose()), (&mut bytes, &mut frames));
+        session.stand_at(now, rig.pose());
+        session.poll(now, (&mut bytes, &mut frames));
         rig.receive(&bytes);
         for frame in frames {
             let id = frame.standard_id().map_or(0, u32::from);
@@ -100,7 +100,7 @@ fn set_up(arguments: &WindowArguments, name: &str) -> anyhow::Result<(Rig, Windo
         range_max_mm: u16::try_from(lidar.farthest_mm.min(7_000)).unwrap_or(u16::MAX),
         ..LidarMount::PUBLISHED
     };
-    let map = WindowMap::new(arguments, mount)?;
+    let map = WindowMap::new(&arguments.setup(mount))?;
     Ok((rig, map, Session::new(lidar, motor)))
 }
 

@@ -5,8 +5,8 @@ use clap::Parser;
 use floorguard_mapping::sliding_window::{Face, WindowPoint};
 
 use super::WindowArguments;
-use super::map::WindowMap;
 use super::simulated::{Simulated, play};
+use floorguard_robot::actuated::WindowMap;
 
 #[derive(Parser)]
 struct Line {

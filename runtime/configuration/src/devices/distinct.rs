@@ -5,6 +5,7 @@ use std::path::Path;
 
 use floorguard_drivers::flexisoft::InputBits;
 
+use crate::actuated_lidar::ActuatedLidarConfiguration;
 use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use crate::command::CommandAddress;
 use crate::reader::Reader;
@@ -18,6 +19,7 @@ pub(crate) struct Addresses<'a> {
     pub can: Option<&'a CanAddress>,
     pub base: Option<&'a BaseAddress>,
     pub command: Option<&'a CommandAddress>,
+    pub actuated_lidar: Option<&'a ActuatedLidarConfiguration>,
 }
 
 /// Refuses two devices on one line or port. Each device is named by its section.
@@ -43,6 +45,10 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         Some(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),
         Some(BaseAddress::Datagrams(port, _)) => ports.push(("base", *port)),
         None => {}
+    }
+    if let Some(actuated) = addresses.actuated_lidar {
+        lines.extend(actuated.lines().into_iter().map(|line| ("actuated_lidar", line)));
+        ports.extend(actuated.people_source.map(|port| ("actuated_lidar", port)));
     }
     for (index, (section, device)) in lines.iter().enumerate() {
         let before = lines.get(..index).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! How bytes reach the tasks: sockets, serial lines and CAN of Linux, and in-process pipes on the virtual clock.
+//! How bytes reach the tasks: sockets, connections, serial lines and CAN of Linux, and in-process pipes on the virtual clock.
 
 mod can_link;
 mod can_pipe;
@@ -8,6 +8,7 @@ mod reconnect;
 mod serial;
 mod socket;
 mod socket_can;
+mod stream;
 
 pub use can_link::CanLink;
 pub use can_pipe::CanPipe;
@@ -17,3 +18,4 @@ pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};
 pub use socket::{Listening, UdpReceiver};
 pub use socket_can::SocketCanBus;
+pub use stream::ReconnectingStream;

@@ -19,3 +19,6 @@ pub use sweep::{FAN_RINGS, RawReturn, RawSweep};
 pub use thinned::Thinned;
 pub use track::{Track, TrackError};
 pub use voxels::GrowingVoxels;
+
+#[cfg(test)]
+mod images_tests;

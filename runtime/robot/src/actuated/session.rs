@@ -7,10 +7,14 @@ use floorguard_mapping::sliding_window::{ColumnScan, MotorSample, MotorTrack};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::time::Stamp;
 
-use super::map::WindowMap;
+use super::window_map::WindowMap;
 
 /// Poses that are kept: a second and a half.
 const POSES: usize = 150;
+/// Different faults that are kept.
+const FAULTS_MAX: usize = 16;
+/// Scans that wait for their angles: more, and the motor is silent.
+const WAITING_MAX: usize = 64;
 /// A scan waits so long for the angle after its last beam, microseconds.
 const WAIT_US: u64 = 40_000;
 
@@ -23,11 +27,13 @@ pub struct Session {
     poses: Vec<(Stamp, Pose2)>,
     /// The lidar's parameters, once they have come.
     pub lidar: Option<String>,
-    /// What motor and lidar reported as wrong.
+    /// What motor and lidar reported as wrong: the first of them, each once.
     pub faults: Vec<String>,
 }
 
 impl Session {
+    /// Nothing was asked for yet.
+    #[must_use]
     pub fn new(lidar: DeviceConfiguration, motor: ScanMotorConfiguration) -> Self {
         Self {
             device: Device::new(lidar),
@@ -41,23 +47,37 @@ impl Session {
     }
 
     /// Half of the best round trip of the lidar's clock, microseconds.
+    #[must_use]
     pub fn clock_uncertainty_us(&self) -> Option<u64> {
         self.device.clock_uncertainty_us()
     }
 
-    /// Where the robot stands now; what is due is sent.
-    pub fn poll(&mut self, (now, pose): (Stamp, Pose2), (bytes, frames): (&mut Vec<u8>, &mut Vec<CanFrame>)) {
+    /// Where the robot stood at a time; one that is known already is left out.
+    pub fn stand_at(&mut self, stamp: Stamp, pose: Pose2) {
+        if self.poses.last().is_some_and(|(newest, _)| *newest >= stamp) {
+            return;
+        }
         if self.poses.len() >= POSES {
             self.poses.remove(0);
         }
-        self.poses.push((now, pose));
+        self.poses.push((stamp, pose));
+    }
+
+    /// Where the robot stood nearest to a time.
+    #[must_use]
+    pub fn pose_at(&self, stamp: Stamp) -> Option<Pose2> {
+        nearest(&self.poses, stamp)
+    }
+
+    /// What is due is sent.
+    pub fn poll(&mut self, now: Stamp, (bytes, frames): (&mut Vec<u8>, &mut Vec<CanFrame>)) {
         if self.device.poll(now, &mut |command| bytes.extend_from_slice(command)) {
-            self.faults.push("the lidar does not answer".to_owned());
+            note(&mut self.faults, "the lidar does not answer".to_owned());
         }
         let faults = &mut self.faults;
         let mut event = |event| {
             if let ScanMotorEvent::Fault(fault) = event {
-                faults.push(format!("the motor: {fault:?}"));
+                note(faults, format!("the motor: {fault:?}"));
             }
         };
         self.motor.poll(now, &mut event, &mut |frame| frames.push(*frame));
@@ -67,14 +87,15 @@ impl Session {
     pub fn hear_lidar(&mut self, bytes: &[u8], now: Stamp, map: &mut WindowMap) {
         let Self { device, waiting, lidar, faults, .. } = self;
         device.push(bytes, now, |event| match event {
-            DeviceEvent::Scan(scan) => waiting.push(scan.clone()),
+            DeviceEvent::Scan(scan) if waiting.len() < WAITING_MAX => waiting.push(scan.clone()),
+            DeviceEvent::Scan(_) => map.taken.refuse("angle_missing", "no angle of the motor".to_owned()),
             DeviceEvent::Parameters(parameters) => *lidar = Some(format!("{parameters:?}")),
             DeviceEvent::Refused(refused) => {
                 map.taken.refuse("damaged", format!("a reply of the lidar is damaged: {refused:?}"));
             }
-            DeviceEvent::Fault(status) => faults.push(format!("the lidar: {status:?}")),
+            DeviceEvent::Fault(status) => note(faults, format!("the lidar: {status:?}")),
             DeviceEvent::Unsuitable(parameters) => {
-                faults.push(format!("the lidar cannot measure what is asked for: {parameters:?}"));
+                note(faults, format!("the lidar cannot measure what is asked for: {parameters:?}"));
             }
             DeviceEvent::Silent => {}
         });
@@ -90,7 +111,7 @@ impl Session {
                 }
             }
             ScanMotorEvent::SweepEnd => map.end_sweep(),
-            ScanMotorEvent::Fault(fault) => faults.push(format!("the motor: {fault:?}")),
+            ScanMotorEvent::Fault(fault) => note(faults, format!("the motor: {fault:?}")),
         });
     }
 
@@ -103,7 +124,7 @@ impl Session {
         let count = self.waiting.iter().take_while(|scan| ready(scan)).count();
         for scan in self.waiting.drain(..count) {
             let middle = scan.first_beam.plus_micros(scan.first_beam.past_us(last_beam(&scan)) / 2);
-            let pose = self.poses.iter().min_by_key(|(at, _)| at.past_us(middle).max(middle.past_us(*at)));
+            let pose = nearest(&self.poses, middle);
             let column = ColumnScan {
                 first_beam: scan.first_beam,
                 beam_period_us: scan.beam_period_us,
@@ -111,8 +132,20 @@ impl Session {
                 step_rad: scan.step_rad,
                 beams: &scan.beams,
             };
-            map.insert(&column, &self.track, pose.map_or(Pose2::default(), |(_, pose)| *pose));
+            map.insert(&column, &self.track, pose.unwrap_or_default());
         }
+    }
+}
+
+fn nearest(poses: &[(Stamp, Pose2)], stamp: Stamp) -> Option<Pose2> {
+    let nearest = poses.iter().min_by_key(|(at, _)| at.past_us(stamp).max(stamp.past_us(*at)));
+    nearest.map(|(_, pose)| *pose)
+}
+
+/// A robot runs for months: each fault once, and no more than these.
+fn note(faults: &mut Vec<String>, what: String) {
+    if faults.len() < FAULTS_MAX && !faults.contains(&what) {
+        faults.push(what);
     }
 }
 

@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 
 use floorguard_host::outcome::BadInput;
+use floorguard_mapping::Occupancy;
 use floorguard_mapping::sliding_window::{
-    CellPolicy, ColumnScan, Inserted, LidarMount, MotorTrack, MovementArrow, MovementArrows, PersonBoxes,
-    Plan, PlanCell, ScanError, SightLimits, SlidingWindow, SweptWedge, WindowCell, WindowGeometry,
-    WindowOptions,
+    CellPolicy, ColumnScan, Inserted, LidarMount, MotorTrack, MovementArrow, MovementArrows, PassedPerson,
+    PersonBoxes, Plan, PlanCell, ScanError, SightLimits, SlidingWindow, SweptWedge, WindowCell,
+    WindowGeometry, WindowOptions,
 };
+use floorguard_mapping_host::output::plan_map;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
 use floorguard_types::time::Stamp;
 
-use super::arguments::WindowArguments;
-
+/// Movement arrows that are kept, the first ones.
+const ARROWS_MAX: usize = 10_000;
 /// Cells of a side of the plan, of 0.2 m.
 const PLAN_SIDE: u16 = 100;
 
@@ -45,11 +47,28 @@ impl Taken {
     }
 }
 
+/// How the window is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowSetup {
+    /// Edge of a cell, metres.
+    pub cell_m: f32,
+    /// Which point a cell keeps.
+    pub policy: CellPolicy,
+    /// What hangs higher is no obstacle, metres.
+    pub threshold_m: f32,
+    /// How the lidar is mounted.
+    pub mount: LidarMount,
+}
+
 /// All of it.
 pub struct WindowMap {
+    /// The surfaces around the robot.
     pub window: SlidingWindow<Vec<WindowCell>>,
+    /// Floor and ceiling.
     pub plan: Plan<Vec<PlanCell>>,
+    /// What became of the scans.
     pub taken: Taken,
+    /// When the newest of them was measured.
     pub now: Stamp,
     arrows: MovementArrows,
     found: Vec<MovementArrow>,
@@ -61,12 +80,11 @@ impl WindowMap {
     ///
     /// # Errors
     /// A cell that no window has.
-    pub fn new(arguments: &WindowArguments, mount: LidarMount) -> Result<Self, BadInput> {
+    pub fn new(setup: &WindowSetup) -> Result<Self, BadInput> {
         let bad = |what: String| BadInput(what);
-        let geometry = WindowGeometry::of_resolution(arguments.cell_m)
-            .ok_or_else(|| bad(format!("cells of {} m: from 0.01 to 0.5", arguments.cell_m)))?;
-        let policy = if arguments.last_point { CellPolicy::Compat } else { CellPolicy::Nearest };
-        let options = WindowOptions { mount, ..WindowOptions::published(policy) };
+        let geometry = WindowGeometry::of_resolution(setup.cell_m)
+            .ok_or_else(|| bad(format!("cells of {} m: from 0.01 to 0.5", setup.cell_m)))?;
+        let options = WindowOptions { mount: setup.mount, ..WindowOptions::published(setup.policy) };
         let buffers = [0, 1].map(|_| vec![WindowCell::EMPTY; geometry.cells()]);
         let window =
             SlidingWindow::new(geometry, options, buffers).map_err(|error| bad(error.to_string()))?;
@@ -81,7 +99,7 @@ impl WindowMap {
             now: Stamp::ZERO,
             arrows: MovementArrows::new(),
             found: Vec::new(),
-            limits: SightLimits::of_threshold(arguments.threshold_m),
+            limits: SightLimits::of_threshold(setup.threshold_m),
         })
     }
 
@@ -122,13 +140,26 @@ impl WindowMap {
         }
     }
 
+    /// The next person whom the sweep has left: a detection for the list of people.
+    pub fn next_passed(&mut self, now: Stamp) -> Option<PassedPerson> {
+        self.arrows.next_passed(now)
+    }
+
+    /// Area of the plan's floor in a state, square metres.
+    #[must_use]
+    pub fn area_m2(&self, state: Occupancy) -> f64 {
+        plan_map(&self.plan, self.now).area_m2(state)
+    }
+
     /// The motor turned back.
     pub fn end_sweep(&mut self) {
         self.arrows.end_sweep();
-        self.found.extend_from_slice(self.arrows.arrows());
+        let room = ARROWS_MAX.saturating_sub(self.found.len());
+        self.found.extend(self.arrows.arrows().iter().take(room));
     }
 
     /// Where people walked.
+    #[must_use]
     pub fn arrows(&self) -> &[MovementArrow] {
         &self.found
     }
