@@ -5,7 +5,7 @@ use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
 use crate::protection::{
-    Cause, CauseRecord, Cell, GuardConfig, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps,
+    Body, Cause, CauseRecord, Cell, GuardConfig, LidarRays, LocalMemory, REACTION_S, STANDOFF_M, Sight, Stopping, Sweep, fastest_mps,
 };
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};
@@ -102,7 +102,7 @@ impl Supervisor {
             while_moving(measured, 0.0),
         ];
         if ways.iter().any(Option::is_some) {
-            meet_all(&self.memory, pose, &mut ways);
+            meet_all((&self.memory, &self.rays), (pose, &self.body), &mut ways);
         }
         if self.memory.is_incomplete(now) {
             self.state.machine.raise(CauseRecord::new(Cause::WayClosed, now));
@@ -149,13 +149,19 @@ impl From<&Way<'_>> for Found {
     }
 }
 
-/// Everything that stands around, against all ways at once.
-fn meet_all(memory: &LocalMemory, pose: Pose2, ways: &mut [Option<Way<'_>>; 3]) {
+/// Everything that stands around, against all ways at once. Where the body stands nothing is hidden.
+fn meet_all(
+    (memory, rays): (&LocalMemory, &LidarRays),
+    (pose, body): (Pose2, &Body),
+    ways: &mut [Option<Way<'_>>; 3],
+) {
     let (sin, cos) = libm::sincosf(pose.heading_rad);
-    memory.for_each_obstacle(|cell: Cell| {
+    memory.for_each_obstacle(rays, |cell: Cell, sight: Sight| {
         let place = cell.middle();
         let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
         let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
-        ways.iter_mut().flatten().for_each(|way| way.meet(in_robot));
+        if sight == Sight::Met || body.distance_m(in_robot) > 0.0 {
+            ways.iter_mut().flatten().for_each(|way| way.meet(in_robot));
+        }
     });
 }

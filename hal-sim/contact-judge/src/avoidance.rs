@@ -32,6 +32,11 @@ const AGAIN_S: f64 = 0.1;
 const THING_M: f32 = 0.5;
 /// A person is seen when any limb is, within this of the middle, metres.
 const PERSON_M: f32 = 1.2;
+/// What is touched this far from a person's middle belongs to somebody who lies or reaches out, metres: limbs of who stands or walks are
+/// nearer.
+const STRETCHED_M: f32 = 0.6;
+/// Who is slower stays where they are, m/s.
+const STAYS_MPS: f32 = 0.1;
 /// What was seen farther away than this is forgotten, metres.
 const MEMORY_M: f32 = 8.0;
 
@@ -183,12 +188,29 @@ impl Past<'_> {
 
     fn target(&self, case: &Case, at_s: f64) -> Option<Target> {
         Some(match case.key {
-            Key::Thing(_) => Target { key: case.key, centre_m: case.point_m, radius_m: THING_M },
+            Key::Thing(_) => {
+                Target { key: case.key, centre_m: case.point_m, radius_m: THING_M, aside_m: THING_M }
+            }
             Key::Person(id) => {
                 let [x, y] = self.track.person_at(id, at_s)?.middle_m();
-                Target { key: case.key, centre_m: [x, y, 0.8], radius_m: PERSON_M }
+                let [dx, dy] = self.stretched(case, id).unwrap_or_default();
+                let aside_m = if [dx, dy] == [0.0; 2] { PERSON_M } else { THING_M };
+                Target { key: case.key, centre_m: [x + dx, y + dy, 0.8], radius_m: PERSON_M, aside_m }
             }
         })
+    }
+
+    /// From the middle of somebody who lies or stands and reaches out to what is touched, metres. Of such a body a part says nothing of where the
+    /// rest lies: as with an object it is seen when it is seen near the place that is touched.
+    fn stretched(&self, case: &Case, id: u32) -> Option<[f32; 2]> {
+        let person = self.track.person_at(id, case.at_s)?;
+        let ([x, y], [px, py, _]) = (person.middle_m(), case.point_m);
+        let (dx, dy) = (px - x, py - y);
+        let [vx, vy] = person.velocity_mps;
+        if libm::hypotf(vx, vy) > STAYS_MPS {
+            return None;
+        }
+        (libm::hypotf(dx, dy) > STRETCHED_M).then_some([dx, dy])
     }
 
     /// What could be seen or hide something at a moment.

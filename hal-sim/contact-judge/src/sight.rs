@@ -32,6 +32,8 @@ pub(crate) struct Target {
     pub(crate) centre_m: [f32; 3],
     /// Within this of it, metres.
     pub(crate) radius_m: f32,
+    /// Within this of it as seen from above, metres.
+    pub(crate) aside_m: f32,
 }
 
 /// Enough beams of the sensor end on the target.
@@ -64,7 +66,9 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
         let Some((key, range_m)) = end(&near, origin, direction, farthest_m) else { continue };
         let at = origin + direction * range_m;
         let is_distinguished = if at.z <= 0.0 { sensor.sees_holes } else { at.z >= sensor.above_floor_m };
-        let is_target = key == target.key && is_distinguished && (at - centre).length() <= target.radius_m;
+        let is_near = (at - centre).length() <= target.radius_m
+            && libm::hypotf(at.x - centre.x, at.y - centre.y) <= target.aside_m;
+        let is_target = key == target.key && is_distinguished && is_near;
         count += usize::from(is_target && range_m >= nearest_m);
         if count >= sensor.beams_min {
             return true;
@@ -144,7 +148,7 @@ mod tests {
     }
 
     fn target(x_m: f32, z_m: f32) -> Target {
-        Target { key: Key::Thing(0), centre_m: [x_m, 0.0, z_m], radius_m: 0.5 }
+        Target { key: Key::Thing(0), centre_m: [x_m, 0.0, z_m], radius_m: 0.5, aside_m: 0.5 }
     }
 
     fn ahead(sensor: &Sensor, z_m: [f32; 2], x_m: f32) -> bool {
@@ -193,11 +197,11 @@ mod tests {
     #[test]
     fn scanner_is_blind_behind_switch_feels_hole() {
         let rear = [board(0, -1.0, [0.0, 1.0], Surface::Opaque)];
-        let behind = Target { key: Key::Thing(0), centre_m: [-0.95, 0.0, 0.5], radius_m: 0.5 };
+        let behind = Target { key: Key::Thing(0), centre_m: [-0.95, 0.0, 0.5], radius_m: 0.5, aside_m: 0.5 };
         assert!(!sees(&scanner(), RobotPose::default(), &behind, &rear));
         assert!(sees(&lidar(), RobotPose::default(), &behind, &rear));
         let hole = board(0, 1.0, [-1.0, -0.001], Surface::Opaque);
-        let below = Target { key: Key::Thing(0), centre_m: [1.0, 0.0, 0.0], radius_m: 0.5 };
+        let below = Target { key: Key::Thing(0), centre_m: [1.0, 0.0, 0.0], radius_m: 0.5, aside_m: 0.5 };
         let switch = Sensor {
             at_m: [1.0, 0.0, 0.1],
             view: SensorView::Down,

@@ -4,8 +4,8 @@ mod common;
 
 use common::{block, drive, no_people, person, setup, straight};
 use floorguard_contact_judge::{
-    BodyPart, ContactKind, ForceClass, Job, JobOutcome, LimbName, Other, RobotMotion, Surface, Thing,
-    ThingKind,
+    BodyPart, ContactKind, ForceClass, Job, JobOutcome, Limb, LimbName, Other, Person, RobotMotion, Solid,
+    Surface, Thing, ThingKind,
 };
 
 #[test]
@@ -48,6 +48,33 @@ fn low_box_contact_was_invisible() {
     assert!(report.passed, "what was invisible is separated: {:?}", report.failures);
     let flat = block("sill", [5.0, 0.0], [0.4, 0.4], [0.0, 0.015]);
     assert!(drive(setup(vec![flat]), 6.0, straight(0.8), no_people).contacts.is_empty());
+}
+
+/// The scanner's plane passes over the legs and meets the torso, 0.8 m beside what is touched: that is no sight of the legs. Thicker
+/// legs, which reach into the plane, are seen.
+#[test]
+fn torso_of_who_lies_hides_no_leg() {
+    let lies = |radius_m: f32| {
+        let rod = |from: [f32; 2], to: [f32; 2], radius_m: f32| Solid::Capsule {
+            from_m: [from[0], from[1], radius_m],
+            to_m: [to[0], to[1], radius_m],
+            radius_m,
+        };
+        let limbs = vec![
+            Limb { name: LimbName::LowerLeg, solid: rod([2.0, -0.35], [2.55, -0.9], radius_m) },
+            Limb { name: LimbName::Torso, solid: rod([2.6, -0.95], [2.75, -1.35], 0.13) },
+        ];
+        Person { id: 1, kind: "lying", velocity_mps: [0.0; 2], limbs }
+    };
+    let seen_by = |radius_m: f32| {
+        let report = drive(setup(vec![]), 3.0, straight(0.5), |_| vec![lies(radius_m)]);
+        let [contact] = report.contacts.as_slice() else { panic!("{report:?}") };
+        assert!(contact.avoidable, "{contact:?}");
+        assert!(matches!(contact.other, Other::Person { limb: LimbName::LowerLeg, .. }), "{contact:?}");
+        contact.seen_by.clone()
+    };
+    assert_eq!(seen_by(0.065), None);
+    assert_eq!(seen_by(0.10).as_deref(), Some("scanner"));
 }
 
 /// A bumper from 4 to 40 cm: at 0.4 m/s the robot has 0.06 + 0.1 m of braking, 0.04 m of delay and 0.05 m of grace.

@@ -5,6 +5,7 @@ mod config_single_mistakes;
 mod environment_learning;
 mod fault_campaign;
 mod fault_findings;
+mod firmware_contacts;
 mod firmware_faults;
 mod fuzz_decoders;
 mod fuzz_runtime;

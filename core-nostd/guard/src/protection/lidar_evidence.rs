@@ -32,6 +32,8 @@ const STEPS: i32 = saturating_i32((REACH_M - NEAREST_M) / CELL_M);
 const RAMP_BELOW_M: f32 = 0.16;
 /// Slopes between which it is one.
 const RAMP: core::ops::Range<f32> = 0.02..0.2;
+/// What rises more steeply is an obstacle, and up to this slope it is a surface that begins on the floor before the return.
+const STEEP: f32 = 0.6;
 /// Rings of a VLP-16 are 2° apart: metres between two rays, with a half more, per metre.
 const RING_GAP: f32 = 0.052;
 /// Parts of a cell in which its places are counted along a look.
@@ -65,7 +67,7 @@ impl LocalMemory {
         let unit_m = f32::from(packet.range_unit_mm) * 1.0e-3;
         let firing = rays.firing(column.azimuth_cdeg, bin, self.pose_at(packet.stamp));
         let reaches_m = firing.reaches_m(column, unit_m);
-        self.look_along(&firing, &reaches_m);
+        self.look_along((&firing, rays), &reaches_m);
         let pair = Pair { column, beside, unit_m, own_m: f32::from(bin.own_mm) * 1.0e-3 };
         self.meet_along(&firing, &pair, (rays.heights_m, reach_m));
     }
@@ -96,8 +98,17 @@ impl LocalMemory {
             if height_m < low_m || height_m > high_m {
                 continue;
             }
-            if height_m < RAMP_BELOW_M && is_ramp(firing, pair, (ring, plane_m, height_m)) {
-                continue;
+            let mut toe_m = None;
+            if height_m < RAMP_BELOW_M
+                && let Some(slope) = slope_above(firing, pair, (ring, plane_m, height_m))
+            {
+                if RAMP.contains(&slope) {
+                    continue;
+                }
+                toe_m = (RAMP.end..STEEP).contains(&slope).then(|| plane_m - height_m / slope);
+            }
+            if let Some(toe_m) = toe_m.filter(|toe_m| *toe_m > pair.own_m.max(NEAREST_M)) {
+                self.meet(firing.cell_at(toe_m), 0.0, 0.0);
             }
             let cell = Cell::of(Point2::new(
                 firing.origin.x_m + range_m * ray.x,
@@ -111,7 +122,11 @@ impl LocalMemory {
     }
 
     /// Cells through which one firing looks: from near, and the next time from afar, because their number is limited.
-    fn look_along(&mut self, firing: &Firing, reaches_m: &[f32; PACKET_RINGS_MAX]) {
+    fn look_along(
+        &mut self,
+        (firing, rays): (&Firing, &LidarRays),
+        reaches_m: &[f32; PACKET_RINGS_MAX],
+    ) {
         let farthest_m = reaches_m.iter().copied().fold(0.0, f32::max) - BEHIND_M;
         let looked = saturating_i32((farthest_m - NEAREST_M) * (1.0 / CELL_M)).saturating_add(1).min(STEPS);
         // In parts of a cell, counted from the corner of the window: a step is as long as a cell.
@@ -137,18 +152,24 @@ impl LocalMemory {
                 continue;
             }
             (last, left) = (cell, left.saturating_sub(1));
-            self.look_through(cell, firing, reaches_m);
+            self.look_through(cell, (firing, rays), reaches_m);
         }
     }
 
     /// The rays of a firing that go through a cell refute what was met in it at their heights.
-    fn look_through(&mut self, cell: Cell, firing: &Firing, reaches_m: &[f32; PACKET_RINGS_MAX]) {
+    fn look_through(
+        &mut self,
+        cell: Cell,
+        (firing, lidar): (&Firing, &LidarRays),
+        reaches_m: &[f32; PACKET_RINGS_MAX],
+    ) {
         let middle_m = firing.along_m(cell.middle());
         let run = self.run(cell);
         let refutes = |(reach_m, slope): (&f32, f32)| {
             *reach_m > middle_m + BEHIND_M && run.is_refuted_at_m(firing.height_m + middle_m * slope)
         };
-        if reaches_m.iter().zip(firing.rays.iter().map(|ray| ray.slope)).any(refutes) {
+        let is_refuted = reaches_m.iter().zip(firing.rays.iter().map(|ray| ray.slope)).any(refutes);
+        if is_refuted && !self.stays_edge(cell, lidar) {
             self.clear_lidar(cell);
         }
     }
@@ -159,17 +180,15 @@ fn parts(cells: f32) -> i32 {
     saturating_i32(libm::floorf(cells * PARTS_OF_CELL))
 }
 
-/// The ring above ends behind this return and a little higher, as on a ramp.
-fn is_ramp(firing: &Firing, pair: &Pair<'_>, (ring, plane_m, height_m): (usize, f32, f32)) -> bool {
+/// How steeply it rises from a return to the one of the ring above; none if that ends before it.
+fn slope_above(firing: &Firing, pair: &Pair<'_>, (ring, plane_m, height_m): (usize, f32, f32)) -> Option<f32> {
     let above = ring.saturating_add(1);
-    let (Some(raw), Some(ray)) = (pair.column.range_raw.get(above), firing.rays.get(above)) else {
-        return false;
-    };
+    let (raw, ray) = (pair.column.range_raw.get(above)?, firing.rays.get(above)?);
     if *raw == 0 {
-        return false;
+        return None;
     }
     let next_m = f32::from(*raw) * pair.unit_m * ray.plane;
     let rise_m = firing.height_m + next_m * ray.slope - height_m;
     let run_m = next_m - plane_m;
-    run_m > 0.0 && rise_m > RAMP.start * run_m && rise_m < RAMP.end * run_m
+    (run_m > 0.0).then(|| rise_m / run_m)
 }

@@ -1,6 +1,7 @@
 //! The rays of the lidar in the robot frame, and one firing of them in the frame of the memory.
 
 use super::config::LidarGeometry;
+use super::local_memory::Cell;
 use super::packet_table::Bin;
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
@@ -22,6 +23,8 @@ pub struct LidarRays {
     /// Cosine and sine of the elevation of each ring.
     pub(crate) rings: [[f32; 2]; PACKET_RINGS_MAX],
     pub(crate) count: usize,
+    /// Height that the lowest ring gains for each metre straight ahead of the lidar.
+    pub(crate) lowest_slope: f32,
     /// Between these heights the memory keeps what was met, metres: in the way of the body, and below the lidar.
     pub(crate) heights_m: [f32; 2],
 }
@@ -33,6 +36,7 @@ impl LidarRays {
         rotation: [[0.0; 3]; 3],
         rings: [[0.0; 2]; PACKET_RINGS_MAX],
         count: 0,
+        lowest_slope: 0.0,
         heights_m: [0.0; 2],
     };
 
@@ -47,6 +51,12 @@ impl LidarRays {
             let (sin, cos) = libm::sincosf(*elevation_rad);
             *ring = [cos, sin];
         }
+        let [rx, ry, rz] = &self.rotation;
+        let ahead = |row: &[f32; 3], [cos, sin]: &[f32; 2]| cos * row[0] + sin * row[2];
+        let slope = |ring: &[f32; 2]| {
+            ahead(rz, ring) / Point2::new(ahead(rx, ring), ahead(ry, ring)).norm().max(1.0e-3)
+        };
+        self.lowest_slope = self.rings.iter().take(self.count).map(slope).fold(0.0, f32::min);
     }
 
     /// Every number, for the sum.
@@ -58,6 +68,7 @@ impl LidarRays {
             .chain(self.rotation.as_flattened().iter().copied())
             .chain(rings)
             .chain(self.heights_m)
+            .chain([self.lowest_slope])
     }
 
     /// The rays of one firing. `bin` is the one of its azimuth: it knows the plane's share of each ray.
@@ -113,6 +124,14 @@ impl Firing {
     pub(super) fn along_m(&self, place: Point2) -> f32 {
         self.direction.x_m * (place.x_m - self.origin.x_m)
             + self.direction.y_m * (place.y_m - self.origin.y_m)
+    }
+
+    /// The cell that lies so far along it, metres in the plane.
+    pub(super) fn cell_at(&self, along_m: f32) -> Cell {
+        Cell::of(Point2::new(
+            self.origin.x_m + along_m * self.direction.x_m,
+            self.origin.y_m + along_m * self.direction.y_m,
+        ))
     }
 
     /// How far its rays went, metres in the plane: without a return nothing is known, and nothing was looked through.

@@ -33,13 +33,10 @@ const INSIDE_MAX: usize = 64;
 /// A memory that a person had forgotten knows what the sensors see after so long: each direction of the lidar has had its turn
 /// (2.4 s), and two spans have agreed, microseconds.
 const COMPLETE_US: u64 = 3_000_000;
-/// The lowest ring of the lidar passes over what is as low as [`LOW_M`] and nearer than 2.8 m: where the memory began, the near side of
-/// such an object was never met, and may be nearer by this, cells.
-const HIDDEN_CELLS: f32 = 4.0;
-/// Lower than this an object may have a side that no ring met, metres.
-const LOW_M: f32 = 0.2;
 /// When the robot has come so far, its front has left what was hidden where the memory began, metres.
 const LEFT_M: f32 = 2.3;
+/// Slower than this it stands, m/s and rad/s.
+const STANDS: (f32, f32) = (0.01, 0.01);
 /// Parts in which the sums are examined, one at each tick.
 const PARTS: usize = 16;
 
@@ -77,7 +74,7 @@ impl Cell {
 pub struct LocalMemory {
     pub(crate) rows: [Row; SIDE],
     /// The cell with the least x and y of the window.
-    first: Cell,
+    pub(super) first: Cell,
     pose: Pose2,
     twist: Twist2,
     at: Option<Stamp>,
@@ -86,8 +83,8 @@ pub struct LocalMemory {
     span_at: Stamp,
     /// A reset that is in progress was asked for while nothing but a closed way held the robot.
     pub(crate) reset_means_way: bool,
-    /// Where it began, while what is low and near there may be hidden.
-    began: Option<Point2>,
+    /// Where the robot was when it began, while what is near there may be hidden.
+    pub(super) began: Option<Pose2>,
     /// When a person had it forget what is around.
     forgotten_at: Option<Stamp>,
     /// Which firing of the next packet is taken.
@@ -107,7 +104,7 @@ impl LocalMemory {
         next: 0,
         span_at: Stamp::ZERO,
         reset_means_way: false,
-        began: Some(Point2 { x_m: 0.0, y_m: 0.0 }),
+        began: Some(Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 }),
         forgotten_at: None,
         turn: 0,
         scans: 0,
@@ -118,7 +115,7 @@ impl LocalMemory {
         self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
         (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
         (self.span_at, self.forgotten_at, self.reset_means_way) = (Stamp::ZERO, None, false);
-        self.began = Some(Point2::new(0.0, 0.0));
+        self.began = Some(Pose2::default());
         self.first = self.wanted_first();
     }
 
@@ -128,7 +125,7 @@ impl LocalMemory {
         if self.reset_means_way {
             self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
             (self.reset_means_way, self.forgotten_at) = (false, Some(now));
-            self.began = Some(self.place_now());
+            self.began = Some(self.pose);
         }
     }
 
@@ -150,14 +147,15 @@ impl LocalMemory {
             self.rows.iter_mut().for_each(Row::begin_span);
             self.span_at = stamp;
         }
-        let now = self.place_now();
-        self.began = self.began.filter(|began| began.distance(now) < LEFT_M);
+        let now = Point2::new(self.pose.x_m, self.pose.y_m);
+        self.began = self.began.filter(|began| Point2::new(began.x_m, began.y_m).distance(now) < LEFT_M);
         self.shift_to(self.wanted_first());
         step_s
     }
 
-    const fn place_now(&self) -> Point2 {
-        Point2::new(self.pose.x_m, self.pose.y_m)
+    /// The wheels say that the robot stands.
+    pub(super) const fn stands(&self) -> bool {
+        self.twist.linear_mps.abs() < STANDS.0 && self.twist.angular_radps.abs() < STANDS.1
     }
 
     /// Where the robot was at the newest measurement of the wheels.
@@ -245,44 +243,7 @@ impl LocalMemory {
         self.visit((first, ROW_STEP), |row| row.by_scanner, visit);
     }
 
-    /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
-    /// it and no cell beside it is kept. Such cells are mostly edges of people who went away: the rays that met them came from
-    /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
-    /// (book, Fields of the swept body: Memory). What may hide the near side of a low object is visited, too (FG-REQ-068). At most 8,192.
-    pub fn for_each_obstacle(&self, mut visit: impl FnMut(Cell)) {
-        let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
-        // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
-        let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);
-        let mut rows = 0_usize;
-        let obstacles = |row: &Row| {
-            let (above, below) = (kept(rows.wrapping_add(1)), kept(rows.wrapping_add(SIDE - 1)));
-            rows = rows.wrapping_add(1);
-            let has_neighbour = beside(row.kept()) | above | beside(above) | below | beside(below);
-            row.kept() & !row.thin_of(row.by_lidar & !row.by_scanner & !has_neighbour)
-        };
-        self.visit((0, 1), obstacles, |cell| {
-            visit(cell);
-            if let Some(began) = self.began
-                && let Some(hidden) = self.hidden_before(cell, began)
-            {
-                visit(hidden);
-            }
-        });
-    }
-
-    /// As far towards the place where the memory began as the near side of a low object may be hidden. The scanner hides nothing.
-    fn hidden_before(&self, cell: Cell, began: Point2) -> Option<Cell> {
-        let row = self.rows.get(local(cell.y))?;
-        if !row.is_low(local(cell.x), height_step(LOW_M)) {
-            return None;
-        }
-        let (dx, dy) = (cell.middle().x_m - began.x_m, cell.middle().y_m - began.y_m);
-        let cells = HIDDEN_CELLS / Point2::new(dx, dy).norm().max(CELL_M);
-        let (x, y) = (saturating_i32(cells * dx), saturating_i32(cells * dy));
-        Some(Cell { x: cell.x.wrapping_sub(x), y: cell.y.wrapping_sub(y) })
-    }
-
-    fn visit(
+    pub(super) fn visit(
         &self,
         (from, step): (usize, usize),
         mut cells_of: impl FnMut(&Row) -> u64,
@@ -374,12 +335,12 @@ impl LocalMemory {
 }
 
 /// Place of a cell in the rows, or in a row.
-const fn local(cell: i32) -> usize {
+pub(super) const fn local(cell: i32) -> usize {
     exact_usize(cell.rem_euclid(count_i32(SIDE)).cast_unsigned())
 }
 
 /// The cell of the window that has a place in the rows, or in a row.
-const fn global(first: i32, index: usize) -> i32 {
+pub(super) const fn global(first: i32, index: usize) -> i32 {
     first.wrapping_add(count_i32(index).wrapping_sub(first).rem_euclid(count_i32(SIDE)))
 }
 

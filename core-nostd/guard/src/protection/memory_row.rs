@@ -12,6 +12,12 @@ pub fn height_step(height_m: f32) -> u8 {
     saturating_u8(height_m * (1.0 / HEIGHT_STEP_M)).saturating_add(1)
 }
 
+/// The height at which a step ends, metres.
+#[must_use]
+pub fn height_of_step_m(step: u8) -> f32 {
+    f32::from(step) * HEIGHT_STEP_M
+}
+
 /// Heights that belong together: lowest and highest, in steps; 0: nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Run {
@@ -89,9 +95,9 @@ impl Row {
         self.by_lidar | self.by_scanner
     }
 
-    /// The lidar alone met something here, and nothing of it is higher.
-    pub(super) fn is_low(&self, index: usize, top: u8) -> bool {
-        has_bit(self.by_lidar & !self.by_scanner, index) && self.run(index).top < top
+    /// The highest step at which the lidar met something here, if it alone did.
+    pub(super) fn top_by_lidar(&self, index: usize) -> Option<u8> {
+        has_bit(self.by_lidar & !self.by_scanner, index).then(|| self.run(index).top)
     }
 
     /// Of these cells, those in which the lidar met a single height.
@@ -114,6 +120,12 @@ impl Row {
     pub(super) const fn holds(&self, index: usize) -> bool {
         let [now, before] = self.lately;
         has_bit(self.by_lidar | now | before, index)
+    }
+
+    /// The lidar met something in this span or in the one before.
+    pub(super) const fn is_met(&self, index: usize) -> bool {
+        let [now, before] = self.lately;
+        has_bit(now | before, index)
     }
 
     pub(super) fn meet(&mut self, index: usize, (step, gap): (u8, u8)) {

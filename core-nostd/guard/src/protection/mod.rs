@@ -17,6 +17,7 @@ mod kinematics;
 mod lidar_evidence;
 mod lidar_rays;
 mod local_memory;
+mod memory_obstacles;
 mod memory_row;
 mod motion;
 mod packet_table;
@@ -51,6 +52,7 @@ pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
 pub use local_memory::{Cell, LocalMemory};
+pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;
 pub use motion::Motion;

@@ -336,7 +336,7 @@ fn fg_req_028_lone_height_in_lone_cell_is_ignored() {
     let place = Cell::of(Point2::new(1.0, 0.3));
     let obstacles = |memory: &LocalMemory| {
         let mut cells = std::vec::Vec::new();
-        memory.for_each_obstacle(|cell| cells.push(cell));
+        memory.for_each_obstacle(&LidarRays::NONE, |cell, _| cells.push(cell));
         cells
     };
     for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {

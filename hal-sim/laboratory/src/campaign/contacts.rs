@@ -8,8 +8,10 @@ use floorguard_contact_judge::{ContactCounts, Report};
 use floorguard_sim::hazards::{Hazard, HazardFamily};
 use serde::{Deserialize, Serialize};
 
-use super::watched;
+use super::{watched, watched_by};
 use crate::world::{Observation, Plan};
+use floorguard_operator::telemetry::{RunSinks, Tape};
+use floorguard_robot::assembly::Stages;
 
 /// People have crossed and routes have ended by then, seconds.
 const DURATION_S: u64 = 25;
@@ -134,6 +136,34 @@ pub fn contact_trial_with(seed: u64, trial: u64, change: impl FnOnce(&mut Plan))
         Ok(seen) => ContactRow::of((seed, trial), &seen),
         Err(error) => ContactRow { failures: vec![format!("{error:#}")], ..ContactRow::begun(seed, trial) },
     }
+}
+
+/// A trial on the host with the stages of the microcontroller, and all input of its robot.
+#[derive(Clone, Debug)]
+pub struct TapedContactTrial {
+    /// What came of it on the host.
+    pub row: ContactRow,
+    /// The tape for the emulated board.
+    pub tape: Vec<u8>,
+}
+
+/// Plays the first `seconds` of a trial with the stages of the microcontroller, and records all input of the robot.
+///
+/// `None` where somebody drives by hand: a tape holds a route, and what comes from devices. A job that is cut short is not judged.
+///
+/// # Errors
+/// The world cannot be played.
+pub fn taped_contact_trial(seed: u64, trial: u64, seconds: u64) -> anyhow::Result<Option<TapedContactTrial>> {
+    let mut plan = contact_plan(seed, trial)?;
+    if !plan.scenario.manoeuvre.is_empty() {
+        return Ok(None);
+    }
+    plan.duration_us = plan.duration_us.min(seconds * 1_000_000);
+    plan.stages = Stages::AsOnBoard;
+    let mut sinks = RunSinks::default();
+    sinks.tape = Tape::new(&plan.robot, plan.duration_us);
+    let seen = watched_by(&plan, &mut sinks)?;
+    Ok(Some(TapedContactTrial { row: ContactRow::of((seed, trial), &seen), tape: sinks.tape.finish() }))
 }
 
 /// Rows added up.
@@ -276,8 +306,6 @@ impl ContactSummary {
 
 #[cfg(test)]
 mod tests {
-    use floorguard_robot::assembly::Stages;
-
     use super::*;
 
     /// A low box and a thin bar, which the lidar meets for a moment each; the memory of the microcontroller loses the box.
