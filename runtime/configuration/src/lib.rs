@@ -13,6 +13,7 @@ mod fields;
 mod learning;
 mod mission;
 mod navigation;
+mod panel;
 mod polygon;
 mod problem;
 mod read;
@@ -32,6 +33,7 @@ pub use coverage::{
 };
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
+pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused, did_you_mean};
