@@ -320,7 +320,7 @@ async function reports(browser) {
   await ended(["simulate", ...scene, "--duration", "40", "--report", at("simulated"), "--record", at("run.mcap"), "--emergency-stop", "20..25"]);
   await ended(["report", at("run.mcap"), "--out", at("report.html")]);
   await ended(["explain", at("run.mcap"), "--at", "20", "--out", at("incident.html")]);
-  await ended(["mission", "--map", "plain", "--dirt", "random:20%:8-20", "--trials", "1", "--report", at("mission")]);
+  await ended(["mission", "--map", "plain", "--dirt", "random:20%:8-20", "--trials", "1", "--out", at("mission-maps"), "--report", at("mission")]);
   const pages = [["simulate --report", at("simulated/index.html")], ["report", at("report.html")], ["explain --out", at("incident.html")], ["mission --report", at("mission/index.html")]];
   for (const [what, file] of pages) for (const [width, theme] of [[390, "light"], [1280, "dark"]]) {
     const context = await browser.newContext({viewport: {width, height: 844}, colorScheme: theme, locale: "en-GB"});

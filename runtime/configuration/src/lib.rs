@@ -33,8 +33,8 @@ pub use coverage::{
 };
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
-pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
+pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused, did_you_mean};
 pub use read::{Carriers, HostedConfiguration, RecordedConfiguration, load, parse, parse_recorded};

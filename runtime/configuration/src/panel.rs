@@ -106,7 +106,8 @@ fn named<T: Named>(
     let mut found = Vec::<T>::new();
     for (text, span) in texts {
         let item = read(text);
-        let is_known = item.as_ref().is_some_and(|item| found.iter().any(|known| known.name() == item.name()));
+        let is_known =
+            item.as_ref().is_some_and(|item| found.iter().any(|known| known.name() == item.name()));
         match item {
             Some(item) if !is_known && found.len() < LIST_MAX => found.push(item),
             _ => section.refuse(
@@ -142,7 +143,8 @@ impl Named for Consumable {
 }
 
 fn nodes(can: &CanConfiguration) -> Vec<u8> {
-    let fitted = [can.drive_node, can.steering_node, can.left_encoder_node, can.right_encoder_node, can.inputs_node];
+    let fitted =
+        [can.drive_node, can.steering_node, can.left_encoder_node, can.right_encoder_node, can.inputs_node];
     fitted.into_iter().chain(can.dirt_sensor_node).collect()
 }
 
@@ -156,7 +158,13 @@ fn check_levels(section: &Reader<'_>, levels: &LevelBits, can: Option<&CanConfig
     let bits = |input: Option<InputBits>| input.map_or([None; 2], |input| input.bits.map(Some));
     let safety: Vec<u8> = can.map_or(Vec::new(), |can| {
         let map = &can.inputs;
-        let all = [Some(map.emergency_stop), Some(map.bumper_front), map.bumper_rear, map.cliff_front, map.cliff_rear];
+        let all = [
+            Some(map.emergency_stop),
+            Some(map.bumper_front),
+            map.bumper_rear,
+            map.cliff_front,
+            map.cliff_rear,
+        ];
         let buttons = [can.buttons.reset_bit, can.buttons.start_bit];
         all.into_iter().flat_map(bits).chain(buttons).flatten().collect()
     });

@@ -66,7 +66,8 @@ impl Language {
     #[must_use]
     pub fn begin(self, english: &str) -> String {
         let ends = english.char_indices().map(|(at, _)| at).filter(|at| *at > 0).rev();
-        let known = std::iter::once(english.len()).chain(ends).find(|end| table().contains_key(&english[..*end]));
+        let known =
+            std::iter::once(english.len()).chain(ends).find(|end| table().contains_key(&english[..*end]));
         known.map_or_else(|| english.to_owned(), |end| [self.say(&english[..end]), &english[end..]].concat())
     }
 
@@ -82,7 +83,8 @@ fn table() -> &'static HashMap<String, Vec<String>> {
     static READ: OnceLock<HashMap<String, Vec<String>>> = OnceLock::new();
     READ.get_or_init(|| {
         let rows = TABLE.trim().strip_prefix("const WORDS =").and_then(|text| text.strip_suffix(';'));
-        let rows: Vec<Vec<String>> = rows.and_then(|rows| serde_json::from_str(rows).ok()).unwrap_or_default();
+        let rows: Vec<Vec<String>> =
+            rows.and_then(|rows| serde_json::from_str(rows).ok()).unwrap_or_default();
         rows.into_iter().filter_map(|row| Some((row.first()?.clone(), row))).collect()
     })
 }
@@ -96,7 +98,9 @@ mod tests {
         let code = source.split("#[cfg(test)]").next().unwrap_or_default();
         let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
         let pieces: Vec<String> = code.join("\n").split('"').skip(1).step_by(2).map(str::to_owned).collect();
-        let is_format = |text: &str| text.contains(":.") || text.trim_start_matches("{}").trim() == "s" || text.contains("{date}");
+        let is_format = |text: &str| {
+            text.contains(":.") || text.trim_start_matches("{}").trim() == "s" || text.contains("{date}")
+        };
         pieces.into_iter().filter(move |text| text.chars().any(char::is_alphabetic) && !is_format(text))
     }
 
@@ -121,7 +125,10 @@ mod tests {
         assert_eq!(german.say("to do"), "noch zu reinigen");
         assert_eq!(german.fill("The area {} is kept.", &["Halle"]), "Der Bereich Halle ist gespeichert.");
         assert_eq!(english.fill("{} {}", &["a"]), "a ");
-        assert_eq!(german.begin("emergency stop pressed, 3 s"), format!("{}, 3 s", german.say("emergency stop pressed")));
+        assert_eq!(
+            german.begin("emergency stop pressed, 3 s"),
+            format!("{}, 3 s", german.say("emergency stop pressed"))
+        );
         assert_eq!(german.begin("größer"), "größer");
         assert_eq!((german.number(1.25, 1), english.number(1.25, 1)), ("1,2".to_owned(), "1.2".to_owned()));
         for language in Language::ALL {

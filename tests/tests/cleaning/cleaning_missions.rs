@@ -2,7 +2,8 @@
 
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
-    Memory, MissionConfig, MissionStorage, RunMonitor, Strategy, TrialResult, run, run_keeping, run_strategies_believing,
+    Memory, MissionConfig, MissionStorage, RunMonitor, Strategy, TrialResult, run, run_keeping,
+    run_strategies_believing,
 };
 use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_types::random::Pcg32;

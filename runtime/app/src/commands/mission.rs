@@ -14,7 +14,8 @@ use super::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
     FaultKind, FaultRates, Guarantee, Interrupted, Memory, MissionConfig, MissionStorage, Robot, RunMonitor,
-    Strategy, StrategySummary, StrategyTrials, TrialResult, pictures, report, run_keeping, run_strategies_believing,
+    Strategy, StrategySummary, StrategyTrials, TrialResult, pictures, report, run_keeping,
+    run_strategies_believing,
 };
 use floorguard_laboratory::mission::{expected_units, teach_cleaning};
 use floorguard_laboratory::status::{MissionStatus, write_status};

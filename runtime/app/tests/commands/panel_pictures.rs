@@ -39,7 +39,11 @@ fn browser() -> Option<&'static str> {
 fn write_pages(root: &Path, frames: &str) -> String {
     let read = |name: &str| std::fs::read_to_string(folder().join(name)).expect("a file of the test");
     let stub = read("stub.js").replace("/*answers*/", &read("answers.json"));
-    let page = floorguard_operator::panel::page().replacen("<script>", &format!("<script>{stub}</script>\n<script>"), 1);
+    let page = floorguard_operator::panel::page().replacen(
+        "<script>",
+        &format!("<script>{stub}</script>\n<script>"),
+        1,
+    );
     std::fs::write(root.join("page.html"), page).expect("written");
     let collect = "const all={};addEventListener('message',e=>{all[e.data.name]=e.data.out;document.getElementById('found')\
                    .textContent=JSON.stringify(all)})";
@@ -54,9 +58,16 @@ fn write_pages(root: &Path, frames: &str) -> String {
 
 fn open(browser: &str, root: &Path, arguments: &[&str]) -> Vec<u8> {
     let profile = format!("--user-data-dir={}", root.join("profile").display());
-    let fixed = ["--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--allow-file-access-from-files"];
+    let fixed = [
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--hide-scrollbars",
+        "--allow-file-access-from-files",
+    ];
     let time = "--virtual-time-budget=4000";
-    let output = Command::new(browser).args(fixed).args([time, &profile]).args(arguments).output();
+    let output =
+        Command::new(browser).args(fixed).args([time, &profile]).args(arguments).env("TZ", "UTC").output();
     output.expect("the browser starts").stdout
 }
 
@@ -135,10 +146,13 @@ fn panel_text_fits_in_five_languages() {
     let address = write_pages(root.path(), &frames);
     let text = open(browser, root.path(), &["--window-size=1300,900", "--dump-dom", &address]);
     let text = String::from_utf8_lossy(&text).into_owned();
-    let found = text.split_once("<pre id=\"found\" hidden=\"\">").and_then(|(_, rest)| rest.split_once("</pre>"));
-    let found = found.unwrap_or_else(|| panic!("the frames say nothing: {}", text.len())).0.replace("&amp;", "&");
+    let found =
+        text.split_once("<pre id=\"found\" hidden=\"\">").and_then(|(_, rest)| rest.split_once("</pre>"));
+    let found =
+        found.unwrap_or_else(|| panic!("the frames say nothing: {}", text.len())).0.replace("&amp;", "&");
     let found: serde_json::Map<String, serde_json::Value> = serde_json::from_str(&found).expect("findings");
     assert_eq!(found.len(), WIDTHS.len() * languages.len(), "{found:?}");
-    let bad: Vec<_> = found.iter().filter(|(_, out)| out.as_array().is_none_or(|out| !out.is_empty())).collect();
+    let bad: Vec<_> =
+        found.iter().filter(|(_, out)| out.as_array().is_none_or(|out| !out.is_empty())).collect();
     assert!(bad.is_empty(), "{bad:#?}");
 }

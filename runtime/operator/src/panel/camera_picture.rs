@@ -38,7 +38,9 @@ mod tests {
     #[test]
     fn picture_is_small_and_keeps_its_colours() {
         let size = ImageSize { width: 640, height: 480 };
-        let rgb: Vec<u8> = (0..480 * 640).flat_map(|at| if at % 640 < 320 { [200, 30, 30] } else { [20, 30, 180] }).collect();
+        let rgb: Vec<u8> = (0..480 * 640)
+            .flat_map(|at| if at % 640 < 320 { [200, 30, 30] } else { [20, 30, 180] })
+            .collect();
         let file = jpeg(&ColourPicture { rgb: rgb.clone(), size }).expect("a file");
         let read = image::load_from_memory(&file).expect("a picture").to_rgb8();
         assert_eq!(read.dimensions(), (320, 240));

@@ -69,7 +69,8 @@ impl Others {
                 let Some(heard) = heard.get_mut(index) else { continue };
                 match answer {
                     Ok(brief) => {
-                        *heard = Heard { brief: Some(brief), at: Some(Instant::now()), problem: String::new() };
+                        *heard =
+                            Heard { brief: Some(brief), at: Some(Instant::now()), problem: String::new() };
                     }
                     Err(error) => {
                         heard.problem = error.to_string();
@@ -121,6 +122,45 @@ fn understood(bytes: &[u8]) -> anyhow::Result<Map<String, Value>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A robot that answers is shown with what it says; one that is not there, with the reason.
+    #[test]
+    fn robots_of_the_site_are_read() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+        let host = listener.local_addr().unwrap().to_string();
+        std::thread::spawn(move || {
+            for mut stream in listener.incoming().flatten() {
+                let mut request = [0; 1_024];
+                let count = stream.read(&mut request).unwrap_or(0);
+                let is_shown =
+                    String::from_utf8_lossy(&request[..count]).contains("Bearer viewer-viewer-viewer");
+                let answer = if is_shown {
+                    "HTTP/1.1 200 OK\r\n\r\n{\"state\":\"Run\"}"
+                } else {
+                    "HTTP/1.1 401 x\r\n\r\n"
+                };
+                let _ = stream.write_all(answer.as_bytes());
+            }
+        });
+        let robot = |name: &str, host: &str| OtherRobot { name: name.to_owned(), host: host.to_owned() };
+        let others = Others::new(&[robot("B", &host), robot("C", "127.0.0.1:1")]);
+        others.clone().read(Some("viewer-viewer-viewer".to_owned())).unwrap();
+        let mut list = Value::Null;
+        for _ in 0..200 {
+            list = others.list();
+            if list[0]["brief"]["state"] == "Run" && list[1]["problem"] != "" {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        assert_eq!(list[0]["brief"]["state"], "Run", "{list}");
+        assert_eq!(
+            (&list[1]["brief"], &list[1]["problem"]),
+            (&Value::Null, &json!("it does not answer")),
+            "{list}"
+        );
+        assert_eq!(list[0]["address"], format!("http://{host}/"));
+    }
 
     #[test]
     fn only_a_brief_is_passed_on() {

@@ -59,15 +59,11 @@ fn one_mission(sheet: &mut Sheet, mission: &MissionRecord, language: Language) {
             &mission.tolerated_units.to_string(),
         ],
     );
-    let assumed = language
-        .fill("{} m² assumed clean: no dirt was expected there", &[&number(mission.assumed_m2, 1)]);
+    let assumed =
+        language.fill("{} m² assumed clean: no dirt was expected there", &[&number(mission.assumed_m2, 1)]);
     let rest = language.fill(
         "{} m² not claimed; {} dirty cells out of reach; held {} s by people and objects",
-        &[
-            &number(mission.to_do_m2, 1),
-            &mission.unreachable_cells.to_string(),
-            &number(mission.waited_s, 0),
-        ],
+        &[&number(mission.to_do_m2, 1), &mission.unreachable_cells.to_string(), &number(mission.waited_s, 0)],
     );
     for text in [&claim, &assumed, &rest] {
         sheet.row(&[(90.0, text)], false);

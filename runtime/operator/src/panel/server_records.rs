@@ -10,8 +10,8 @@ use super::access::Role;
 use super::hub::Hub;
 use super::pdf_of_day::pdf_of_day;
 use super::records::Kept;
-use crate::words::Language;
 use super::server::{json, refusal, refused};
+use crate::words::Language;
 
 #[derive(Serialize)]
 struct Numbered<'a> {

@@ -93,11 +93,13 @@ impl Supplies {
         let id = u16::from_le_bytes(*id);
         self.newest = at;
         let (node, above) = (id & 0x7F, (id & !0x7F).checked_sub(OBJECT_IDS));
-        if self.configured.battery_node.is_some_and(|battery| u16::from(battery) == node) && above == Some(0) {
+        if self.configured.battery_node.is_some_and(|battery| u16::from(battery) == node) && above == Some(0)
+        {
             let charge = payload.first().copied().filter(|percent| *percent <= CHARGE_MAX);
             self.charge = charge.map(|percent| (at, percent)).or(self.charge);
         }
-        let Some(above) = above.filter(|above| node == u16::from(self.inputs_node) && above % OBJECT_STEP == 0)
+        let Some(above) =
+            above.filter(|above| node == u16::from(self.inputs_node) && above % OBJECT_STEP == 0)
         else {
             return;
         };
@@ -115,7 +117,8 @@ impl Supplies {
         if !has_battery && self.levels.is_empty() && self.configured.consumables.is_empty() {
             return None;
         }
-        let is_new = |at: &Stamp| matches!(at.age(now.max(self.newest)), Age::Past(us) if us <= SILENT_MAX_US);
+        let is_new =
+            |at: &Stamp| matches!(at.age(now.max(self.newest)), Age::Past(us) if us <= SILENT_MAX_US);
         let charge = self.charge.filter(|(at, _)| is_new(at)).map(|(_, percent)| percent);
         let level = |level: &Level| LevelFrame {
             name: level.name,
@@ -149,7 +152,8 @@ mod tests {
     #[test]
     fn levels_come_from_the_bus_and_age() {
         let levels = LevelBits { clean_water_low: Some(66), ..LevelBits::default() };
-        let configured = PanelConfiguration { levels, battery_node: Some(9), ..PanelConfiguration::default() };
+        let configured =
+            PanelConfiguration { levels, battery_node: Some(9), ..PanelConfiguration::default() };
         let mut supplies = Supplies::new(&configured, INPUTS);
         let seen = |supplies: &Supplies, at_us| {
             let frame = supplies.frame(Stamp::from_micros(at_us), &BTreeMap::new()).expect("levels");
@@ -161,7 +165,9 @@ mod tests {
         supplies.can_frame(&frame(0x285, &[0b100]), at);
         assert_eq!(seen(&supplies, 1_000_000), (Some(73), Some(true)));
         // The first object has other bits, another node is another device, 200 % is no charge.
-        for other in [frame(0x185, &[0]), frame(0x286, &[0]), frame(0x289, &[5]), frame(0x189, &[200]), vec![1]] {
+        for other in
+            [frame(0x185, &[0]), frame(0x286, &[0]), frame(0x289, &[5]), frame(0x189, &[200]), vec![1]]
+        {
             supplies.can_frame(&other, at);
         }
         assert_eq!(seen(&supplies, 1_000_000), (Some(73), Some(true)));

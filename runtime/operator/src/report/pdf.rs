@@ -28,7 +28,8 @@ pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
     }
     let number = |value: f64, digits: usize| language.number(value, digits);
     let (lasted, driven) = (number(proof.duration_s, 0), number(proof.driven_m, 1));
-    let run = language.fill("{} s, {} m driven, {} stops", &[&lasted, &driven, &proof.stops.len().to_string()]);
+    let run =
+        language.fill("{} s, {} m driven, {} stops", &[&lasted, &driven, &proof.stops.len().to_string()]);
     sheet.row(&[(0.0, language.say("run")), (90.0, &run)], false);
     if let Some(cleaning) = &proof.cleaning {
         claims(&mut sheet, cleaning, language);

@@ -40,8 +40,13 @@ fn commands_of_one_poll_are_all_repeated() {
         log.note(&TapRow::Command(stamp, wanted));
     });
     log.note(&TapRow::Polled(poll));
-    let info =
-        RunInfo { robot: &robot, robot_toml: EXAMPLE, imu_baud: 115_200, clouds_every: 0, texts: BTreeMap::new() };
+    let info = RunInfo {
+        robot: &robot,
+        robot_toml: EXAMPLE,
+        imu_baud: 115_200,
+        clouds_every: 0,
+        texts: BTreeMap::new(),
+    };
     let mut recorder = RunRecorder::new(Cursor::new(Vec::new()), &info).expect("a recorder");
     recorder.order(1_000, &log.take().expect("entries"));
     let file = recorder.finish(1_000, None).expect("written").into_inner();

@@ -156,8 +156,7 @@ impl Watcher {
 
     /// A copy for people, when the last is old enough.
     fn show(&mut self, rgb: &[u8], now: Stamp) -> Option<ColourPicture> {
-        let is_new =
-            |shown: &Stamp| !matches!(shown.age(now), Age::Past(age_us) if age_us >= SHOWN_EVERY_US);
+        let is_new = |shown: &Stamp| !matches!(shown.age(now), Age::Past(age_us) if age_us >= SHOWN_EVERY_US);
         if self.shown.as_ref().is_some_and(is_new) {
             return None;
         }

@@ -111,7 +111,8 @@ impl Records {
             let is_same = |known: &&Schedule| known.name == schedule.name && known.minute == schedule.minute;
             self.kept.schedules.iter().find(is_same).map(|known| known.began.clone()).unwrap_or_default()
         };
-        let schedules = schedules.into_iter().map(|schedule| Schedule { began: began(&schedule), ..schedule });
+        let schedules =
+            schedules.into_iter().map(|schedule| Schedule { began: began(&schedule), ..schedule });
         self.kept.schedules = schedules.collect();
         self.number += 1;
         Ok(())
