@@ -3,8 +3,9 @@
 //
 // `cargo xtask panel-check` installs what it needs and starts it: node check.mjs PROGRAM CHROMIUM FOLDER
 import {spawn} from "node:child_process";
+import {Agent, get} from "node:http";
 import {createRequire} from "node:module";
-import {mkdirSync, readFileSync, writeFileSync} from "node:fs";
+import {mkdirSync, readFileSync, readdirSync, writeFileSync} from "node:fs";
 import {join} from "node:path";
 
 const [program, chromium, folder] = process.argv.slice(2);
@@ -224,27 +225,116 @@ async function viewer(browser, address) {
   await context.close();
 }
 
-// How long a picture takes with 100 people and a floor of 10,000 m².
+// Processor time that the browser has taken so far, all of its processes and threads, milliseconds.
+function browserTime(pid) {
+  const parents = new Map();
+  for (const name of readdirSync("/proc").filter(name => /^\d+$/.test(name))) {
+    try {
+      const fields = readFileSync("/proc/" + name + "/stat", "utf8").replace(/^.*\) /s, "").split(" ");
+      parents.set(+name, {parent: +fields[1], ticks: +fields[11] + +fields[12]});
+    } catch { /* it has ended meanwhile */ }
+  }
+  const belongs = at => { for (let i = 0; i < 20 && at; i++) { if (at === pid) return true; at = parents.get(at)?.parent; } return false; };
+  return [...parents].filter(([at]) => belongs(at)).reduce((sum, [, {ticks}]) => sum + 10 * ticks, 0);
+}
+
+// How long a picture takes with 100 people and a floor of 10,000 m²: the processor time of the page's drawing, in which nothing else
+// of this computer counts, and beside it the time on the clock.
 async function frames(browser, address) {
   const context = await fresh(browser, {viewport: {width: 1280, height: 900}});
   const page = await context.newPage();
   await page.goto(address);
   await ready(page);
-  const times = await page.evaluate(() => {
-    const crowd = structuredClone(frame), n = 1000;
+  await page.evaluate(() => {
+    window.crowd = structuredClone(frame);
+    const n = 1000;
     crowd.people = Array.from({length: 100}, (_, i) => ({id: i, at_m: [i % 10 * 3, Math.floor(i / 10) * 3], velocity_mps: [1, 0.5], person: true}));
     crowd.mission.layers = 0;
     floor = {...floor, number: 1e9, width: n, height: n, resolution_m: 0.1, claimed: Array.from({length: 5000}, (_, i) => "200:" + "cad."[i % 4]).join(""), dirt: n * n + ":5"};
     plan = {...plan, width: n, height: n, resolution_m: 0.1, pixels: n * n + ":f"};
+    // Nothing new comes while it is measured.
+    window.fetch = () => new Promise(() => {});
     repaint(); whole();
-    const all = [];
-    for (let i = 0; i < 60; i++) { const at = performance.now(); show(crowd); document.getElementById("map").getContext("2d").getImageData(0, 0, 1, 1); all.push(performance.now() - at); }
-    return all.sort((a, b) => a - b);
+    window.pictures_of = count => {
+      const all = [], g = document.getElementById("map").getContext("2d");
+      for (let i = 0; i < count; i++) {
+        crowd.number += 1; crowd.people.forEach((person, at) => { person.at_m[0] += at % 2 ? 0.05 : -0.05; });
+        const at = performance.now(); show(crowd); g.getImageData(0, 0, 1, 1); all.push(performance.now() - at);
+      }
+      return all.sort((a, b) => a - b);
+    };
   });
-  // Other work on this computer makes single pictures late: the quickest tenth says what a picture costs.
-  const [quick, median, late] = [times[6], times[30], times[57]].map(ms => ms.toFixed(1));
-  check("a picture of 100 people on 10,000 m² in 16 ms", times[6] <= 16, "quickest tenth " + quick + " ms, median " + median + " ms, 95 % " + late + " ms, drawn without a graphics card");
+  await page.waitForTimeout(1500);
+  await page.evaluate(() => pictures_of(30));
+  const pid = process.pid, count = 200, idleFrom = browserTime(pid), idleAt = Date.now();
+  await page.waitForTimeout(1000);
+  const idle = (browserTime(pid) - idleFrom) / (Date.now() - idleAt), from = browserTime(pid), at = Date.now();
+  const times = await page.evaluate(count => pictures_of(count), count);
+  const each = (browserTime(pid) - from - idle * (Date.now() - at)) / count;
+  const [median, late] = [times[count / 2], times[Math.floor(0.95 * count)]].map(ms => ms.toFixed(1));
+  check("a picture of 100 people on 10,000 m² in 16 ms", each <= 16, each.toFixed(1) + " ms of processor time with all threads of the browser, drawn without a graphics card; on the clock of this computer median " + median + " ms, 95 % " + late + " ms");
   await context.close();
+}
+
+async function ended(words) {
+  const child = spawn(program, words, {stdio: ["ignore", "ignore", "pipe"]});
+  let text = "";
+  child.stderr.on("data", data => { text += data; });
+  const code = await new Promise(done => child.on("exit", done));
+  if (code > 1) throw new Error(words[0] + " ended with " + code + ": " + text.slice(-400));
+}
+
+// The guard of a robot in real time over real lines, alone and with two hundred browsers that read as fast as they can.
+async function viewers() {
+  const late = {};
+  for (const count of [0, 200]) {
+    const words = ["simulate", "--scenario", "supermarket", "--seed", "2", "--duration", "20", "--real-io", "--emergency-stop", "12..13", "--panel", "127.0.0.1:0"];
+    const child = spawn(program, [...words, "--json"], {stdio: ["ignore", "pipe", "pipe"]});
+    let text = "", verdict = "", pictures = 0, over = false;
+    child.stdout.on("data", data => { verdict += data; });
+    const address = await new Promise((found, lost) => {
+      child.stderr.on("data", data => { text += data; const hit = /panel: (http:[^#\s]+)#/.exec(text); if (hit) found(hit[1]); });
+      child.on("exit", () => lost(new Error(text)));
+    });
+    const gone = new Promise(done => child.on("exit", done)).then(() => { over = true; });
+    const agent = new Agent({keepAlive: true, maxSockets: 250});
+    const ask = number => new Promise(done => get(address + "state?after=" + number, {agent}, answer => {
+      let body = ""; answer.on("data", data => { body += data; }); answer.on("end", () => { pictures += 1; const hit = /"number":(\d+)/.exec(body); done(hit ? +hit[1] : number); });
+    }).on("error", () => setTimeout(() => done(number), 200)));
+    const watch = async () => { for (let number = 0; !over;) number = await ask(number); };
+    for (let i = 0; i < count; i++) watch();
+    await gone;
+    agent.destroy();
+    const hit = /guard ring: ([\d.]+) ms late in the middle, ([\d.]+) ms in 99.9 %.* ([\d.]+) ms at most/.exec(text);
+    if (!hit) throw new Error(text.slice(-500));
+    late[count] = {middle: +hit[1], nearly: +hit[2], most: +hit[3], stop: JSON.parse(verdict).stop_latency_ms.max, pictures};
+    console.log("     " + count + " viewers: " + JSON.stringify(late[count]));
+  }
+  // The guard's deadline for the drive is 20 ms; what a stop may take in all is measured by itself.
+  check("two hundred viewers do not delay the guard", late[200].nearly <= 10 && late[200].stop <= 40, late[200].pictures + " pictures in 20 s; 99.9 % of its timers at most " + late[200].nearly + " ms late (" + late[0].nearly + " without viewers), emergency stop to bus " + late[200].stop + " ms (" + late[0].stop + ")");
+}
+
+// The pages that are written: axe, and text that fits, on a phone and a desk.
+async function reports(browser) {
+  const at = name => join(folder, name), scene = ["--scenario", "supermarket", "--strategy", "guarantee", "--seed", "3"];
+  await ended(["simulate", ...scene, "--duration", "40", "--report", at("simulated"), "--record", at("run.mcap"), "--emergency-stop", "20..25"]);
+  await ended(["report", at("run.mcap"), "--out", at("report.html")]);
+  await ended(["explain", at("run.mcap"), "--at", "20", "--out", at("incident.html")]);
+  await ended(["mission", "--map", "plain", "--dirt", "random:20%:8-20", "--trials", "1", "--out", at("mission-maps"), "--report", at("mission")]);
+  const pages = [["simulate --report", at("simulated/index.html")], ["report", at("report.html")], ["explain --out", at("incident.html")], ["mission --report", at("mission/index.html")]];
+  for (const [what, file] of pages) for (const [width, theme] of [[390, "light"], [1280, "dark"]]) {
+    const context = await browser.newContext({viewport: {width, height: 844}, colorScheme: theme, locale: "en-GB"});
+    const page = await context.newPage(), errors = [];
+    page.on("pageerror", error => errors.push(error.message));
+    await page.goto("file://" + file);
+    await page.evaluate(() => document.querySelectorAll("details").forEach(part => { part.open = true; }));
+    await axe(page, what + ", " + width + " px, " + theme);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    check(what + " fits its window, " + width + " px", wide <= 1, wide + " px too wide");
+    check("no error in the page, " + what, errors.length === 0, errors.join("; "));
+    await page.screenshot({path: join(shots, what.split(" ")[0] + "-" + width + ".png")});
+    await context.close();
+  }
 }
 
 const records = join(folder, "records.json");
@@ -254,7 +344,7 @@ try {
   const where = await address;
   browser = await browserType.launch({executablePath: chromium, args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]});
   const only = process.env.PANEL_CHECK || "";
-  const parts = {layouts: () => layouts(browser, where), mouse: () => tasks(browser, where, "mouse"), touch: () => tasks(browser, where, "touch"), keyboard: () => tasks(browser, where, "keyboard"), tabs: () => tabs(browser, where), viewer: () => viewer(browser, where), frames: () => frames(browser, where)};
+  const parts = {layouts: () => layouts(browser, where), mouse: () => tasks(browser, where, "mouse"), touch: () => tasks(browser, where, "touch"), keyboard: () => tasks(browser, where, "keyboard"), tabs: () => tabs(browser, where), viewer: () => viewer(browser, where), frames: () => frames(browser, where), reports: () => reports(browser), viewers};
   for (const [name, part] of Object.entries(parts)) {
     if (only && !only.split(",").includes(name)) continue;
     try { await part(); } catch (error) { check(name + " went through", false, String(error).split("\n").slice(0, 3).join(" ")); }

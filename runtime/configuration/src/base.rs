@@ -23,6 +23,14 @@ pub(super) enum Drives {
 }
 
 impl Drives {
+    /// What is on the bus, of a robot whose drives are on one.
+    pub const fn bus(&self) -> Option<&CanConfiguration> {
+        match self {
+            Self::Bus(can, _) => Some(can),
+            Self::Velocity(_) => None,
+        }
+    }
+
     pub fn can(&self) -> Option<&CanAddress> {
         match self {
             Self::Bus(_, address) => Some(address),

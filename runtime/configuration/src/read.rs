@@ -23,6 +23,7 @@ use super::fleet::{FleetConfiguration, read_fleet};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
+use super::panel::{PanelConfiguration, read_panel};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
 use super::sensors::{Sensors, fitted};
@@ -69,6 +70,8 @@ pub struct HostedConfiguration {
     pub gap_speeds: Vec<GapSpeed>,
     /// Who drives it from outside; without it, it drives itself.
     pub command: Option<CommandConfiguration>,
+    /// What the operator's panel shows besides the robot.
+    pub panel: PanelConfiguration,
 }
 
 impl HostedConfiguration {
@@ -175,6 +178,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
+    let bus = drives.as_ref().and_then(Drives::bus);
+    let panel = optional(&top, "panel", |section| read_panel(section, bus));
     if let Some(drives) = &drives {
         let command = command.as_ref().map(|command| &command.address);
         sensors.check(&top, (drives.can(), drives.base(), command));
@@ -221,6 +226,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         accepted_gaps: accepted.gaps,
         gap_speeds: accepted.speeds,
         command,
+        panel,
     })
 }
 

@@ -14,6 +14,7 @@ strategy = \"systematic\"
 broker = \"127.0.0.1\"
 serial = \"robot-7\"
 [learning]
+[panel]
 [rear_scanner]
 model = \"s300\"
 source = \"serial:/dev/ttyUSB3\"
@@ -133,7 +134,7 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[actuated_lidar]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]` and every `[[field]]` may be missing as a whole.
+`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[actuated_lidar]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]`, `[panel]` and every `[[field]]` may be missing as a whole.
 `floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
@@ -170,6 +171,13 @@ In `[inputs]`, `reset_bit` and `start_bit` are push buttons of the operator, 1 =
 be reset and started, for example as a service. A button acts when it is released, after 0.03 to 5 s: one that is stuck or tied down
 does nothing. Wire them to the safety controller beside the emergency stop, where one sees the whole robot; `inverted_bits` does not
 concern them. A recording holds what the buttons did, because it holds the frames of the bus.
+
+`[panel]` is what the operator's panel shows besides the robot; the guard does not know it. `consumables` are parts that wear out, each with
+its hours of driving: the panel counts them and a technician acknowledges there that a part was changed. `battery_low_bit`,
+`clean_water_low_bit` and `dirty_water_full_bit` are bits of the safety controller's image, 1 = reported. `battery_node` is a battery
+computer on the CAN bus: the first byte of its message 0x180 + node is the charge in percent. `robots` are other robots whose panels
+this one reads every two seconds, with the viewer's token of this panel (`FLOORGUARD_PANEL_VIEWER_TOKEN`, the same for all robots of a
+site): their state stands in the page, and a link opens their own panel. Nothing can be ordered of a robot but at its own panel.
 ";
 
 #[cfg(test)]

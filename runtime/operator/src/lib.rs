@@ -10,3 +10,4 @@ pub mod picture;
 pub mod report;
 pub mod surroundings;
 pub mod telemetry;
+pub mod words;

@@ -2,7 +2,8 @@
 
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
-    Memory, MissionConfig, MissionStorage, RunMonitor, Strategy, run, run_keeping, run_strategies_believing,
+    Memory, MissionConfig, MissionStorage, RunMonitor, Strategy, TrialResult, run, run_keeping,
+    run_strategies_believing,
 };
 use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_types::random::Pcg32;
@@ -126,7 +127,7 @@ fn finished_missions_count_after_early_end() {
     let config = MissionConfig::published(Strategy::Guarantee);
     let strategies = [Strategy::Guarantee, Strategy::NoReplanning];
     let (ended, done) = (StopFlag::default(), std::sync::atomic::AtomicU32::new(0));
-    let progress = || {
+    let progress = |_: Strategy, _: &TrialResult| {
         if done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1 >= 3 {
             ended.stop();
         }

@@ -19,7 +19,7 @@ const PACKAGES: [&str; 2] = ["playwright-core@1", "axe-core@4"];
 /// What to walk through.
 #[derive(Args)]
 pub struct Options {
-    /// Only these parts: layouts, mouse, touch, keyboard, tabs, viewer, frames.
+    /// Only these parts: layouts, mouse, touch, keyboard, tabs, viewer, frames, reports, viewers.
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
 }

@@ -78,8 +78,8 @@ pub struct StrategySummary {
 
 /// The monitor of a campaign: progress and early end.
 pub struct RunMonitor<'a> {
-    /// Called after every mission.
-    pub progress: &'a (dyn Fn() + Sync),
+    /// Called after every mission with what it came to.
+    pub progress: &'a (dyn Fn(Strategy, &TrialResult) + Sync),
     /// Set by somebody who wants the missions to end: those that run are broken off and do not count.
     pub ended: &'a StopFlag,
 }
@@ -95,7 +95,7 @@ pub fn run_strategies(
     (trials, seed): (u64, u64),
     progress: impl Fn() + Sync,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
-    let monitor = RunMonitor { progress: &progress, ended: &StopFlag::default() };
+    let monitor = RunMonitor { progress: &|_, _| progress(), ended: &StopFlag::default() };
     run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), &monitor)
 }
 
@@ -154,8 +154,8 @@ fn run_trial(
         if strategy == Strategy::Guarantee {
             let result = run(strategy, None)?;
             guarantee_m = Some(result.distance_m);
+            (monitor.progress)(strategy, &result);
             *slot = Some(result);
-            (monitor.progress)();
         }
     }
     for (slot, &strategy) in results.iter_mut().zip(strategies) {
@@ -167,8 +167,9 @@ fn run_trial(
             (Strategy::Random, None) => Some(run(Strategy::Guarantee, None)?.distance_m),
             _ => None,
         };
-        *slot = Some(run(strategy, limit)?);
-        (monitor.progress)();
+        let result = run(strategy, limit)?;
+        (monitor.progress)(strategy, &result);
+        *slot = Some(result);
     }
     Ok(results.into_iter().flatten().collect())
 }

@@ -8,13 +8,13 @@ use floorguard_robot::site::Floor;
 /// A table with a line for each strategy.
 pub fn table(summaries: &[StrategySummary]) -> String {
     let mut text = format!(
-        "{:<14} {:>8} {:>7} {:>9} {:>8} {:>7} {:>8} {:>14} {:>8}\n",
-        "strategy", "success", "q99", "path m", "time s", "replans", "claimed", "falsely", "of clean"
+        "{:<14} {:>8} {:>6} {:>8} {:>7} {:>7} {:>7} {:>13}\n",
+        "strategy", "success", "q99", "path m", "time s", "replans", "claimed", "falsely"
     );
     for s in summaries {
         let _infallible = writeln!(
             text,
-            "{:<14} {:>6.1} % {:>7.2} {:>9.2} {:>8.1} {:>7.1} {:>8} {:>5} = {:>4.2} % {:>6.2} %",
+            "{:<14} {:>6.1} % {:>6.2} {:>8.2} {:>7.1} {:>7.1} {:>7} {:>4} = {:>4.2} %",
             s.strategy,
             100.0 * s.success_rate,
             s.quantile99,
@@ -24,7 +24,6 @@ pub fn table(summaries: &[StrategySummary]) -> String {
             s.claimed_cells,
             s.falsely_claimed_cells,
             100.0 * s.falsely_claimed_share,
-            100.0 * s.claimed_fraction,
         );
     }
     text

@@ -92,9 +92,11 @@ pub(super) fn raster(width: usize, shades: &[Option<usize>], legend: &[Legend]) 
     let (Some(first), Some(last)) = (columns().min(), columns().max()) else { return String::new() };
     let (first, last) = (first.saturating_sub(AROUND), (last + AROUND).min(width - 1));
     let (wide, high) = (last - first + 1, last_row - first_row + 1);
+    let words: Vec<&str> = legend.iter().map(|(_, words)| *words).collect();
+    let words = words.join(", ").replace('"', "");
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {wide} {high}\" \
-         shape-rendering=\"crispEdges\" role=\"img\"><rect width=\"100%\" height=\"100%\" fill=\"{OFF_LIMITS}\"/>"
+         shape-rendering=\"crispEdges\" role=\"img\" aria-label=\"floor in cells: {words}\"><rect width=\"100%\" height=\"100%\" fill=\"{OFF_LIMITS}\"/>"
     );
     for (shade, (colour, _)) in legend.iter().enumerate() {
         let mut path = String::new();

@@ -61,7 +61,7 @@ fn stops(html: &mut String, observation: &Observation) {
         html.push_str("<p>The robot never had to stop.</p>");
         return;
     }
-    html.push_str("<table><tr><th><th class=num>time<th class=num>speed<th>why</tr>");
+    html.push_str("<table><tr><th>stop<th class=num>time<th class=num>speed<th>why</tr>");
     let causes =
         floorguard_operator::picture::cause_colours(observation.stops.iter().map(|stop| stop.kind.as_str()));
     for ((number, stop), colour) in (1..).zip(&observation.stops).zip(causes) {

@@ -136,7 +136,7 @@ fn map(status: &MissionStatus, moment: Moment) -> anyhow::Result<String> {
 
 fn zones(html: &mut String, status: &MissionStatus) {
     html.push_str(
-        "<h2>Zones</h2><div class=table><table><tr><th>zone<th>floor, m²<th>in reach<th>driven over<th>dirty before\
+        "<h2>Zones</h2><div class=table tabindex=0 role=region aria-label=\"Zones\"><table><tr><th>zone<th>floor, m²<th>in reach<th>driven over<th>dirty before\
          <th>clean now<th>still dirty<th>uncertain<th>out of reach<th>spots before<th>open</tr>",
     );
     for zone in status.zones.iter().chain(std::iter::once(&status.total)) {
@@ -165,7 +165,7 @@ fn spots(html: &mut String, status: &MissionStatus) {
         return;
     }
     html.push_str(
-        "<h2>Spots before cleaning</h2><div class=table><table><tr><th>no.<th>x, m<th>y, m<th>area, m²\
+        "<h2>Spots before cleaning</h2><div class=table tabindex=0 role=region aria-label=\"Spots before cleaning\"><table><tr><th>no.<th>x, m<th>y, m<th>area, m²\
          <th>units a cell<th>clean now</tr>",
     );
     for spot in &status.spots {

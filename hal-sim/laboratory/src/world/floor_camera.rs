@@ -14,11 +14,14 @@ use floorguard_types::time::Stamp;
 use crate::plan::Plan;
 use floorguard_configuration::{CameraConfiguration, CameraSource};
 use floorguard_robot::camera::{
-    DepthPicture, DirtStage, FloorMounting, FloorStage, PictureCamera, PictureFolder, SeenDirt,
+    ColourPicture, DepthPicture, DirtStage, FloorMounting, FloorStage, PictureCamera, PictureFolder, SeenDirt,
 };
 
 /// Between pictures, microseconds: rendering one takes as long as everything else in this time.
 const EVERY_US: u64 = 200_000;
+
+/// People get a picture this often, microseconds.
+const SHOWN_EVERY_US: u64 = 1_000_000;
 
 /// A rendered camera and the stages for its pictures.
 pub struct SimulatedCamera {
@@ -26,6 +29,8 @@ pub struct SimulatedCamera {
     floor: FloorStage,
     dirt: DirtStage,
     next_us: u64,
+    shown_us: Option<u64>,
+    picture: Option<ColourPicture>,
     frame: u32,
 }
 
@@ -55,6 +60,8 @@ impl SimulatedCamera {
             floor: FloorStage::new(&plan.robot, &camera)?,
             dirt: DirtStage::new(FloorCameraSensor::COLOUR_SIZE, colour)?,
             next_us: 0,
+            shown_us: None,
+            picture: None,
             frame: 0,
         })
     }
@@ -95,7 +102,16 @@ impl SimulatedCamera {
             let depth = DepthPicture { depth_mm: &picture.depth_mm, size: FloorCameraSensor::DEPTH_SIZE };
             folder.add((now, pose), depth, &picture.rgb)?;
         }
+        if self.shown_us.is_none_or(|shown_us| now_us >= shown_us + SHOWN_EVERY_US) {
+            self.shown_us = Some(now_us);
+            self.picture = Some(ColourPicture { rgb: picture.rgb, size: FloorCameraSensor::COLOUR_SIZE });
+        }
         Ok(true)
+    }
+
+    /// A picture for people, about once a second; each is given once.
+    pub const fn take_picture(&mut self) -> Option<ColourPicture> {
+        self.picture.take()
     }
 
     /// What was seen of the dirt so far, in the odometry frame.

@@ -352,6 +352,9 @@ impl World<'_, '_> {
         let Some(camera) = &mut self.camera else { return Ok(()) };
         let folder = self.sinks.pictures.as_mut();
         let is_new = camera.attend(self.simulation, shared, (self.now_us, folder))?;
+        if let Some(picture) = camera.take_picture() {
+            self.sinks.camera_picture(&picture);
+        }
         if is_new && self.now_us >= self.next_map_us {
             self.next_map_us = self.now_us + SEEN_DIRT_US;
             if self.sinks.listen() {

@@ -50,6 +50,7 @@ impl LiveCamera<'_> {
     fn tell(&self, event: CameraEvent, began: Instant) {
         match event {
             CameraEvent::Message(words) => say!("floorguard run: camera: {words}"),
+            CameraEvent::Picture(picture) => self.notes.camera_picture(picture),
             CameraEvent::Dirt(seen) => {
                 if self.has_json {
                     // The reporter finds that its output is closed.

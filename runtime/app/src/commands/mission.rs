@@ -9,11 +9,13 @@ use serde::Serialize;
 use super::exit::Unfinished;
 use super::heartbeat::Heartbeat;
 use super::interrupt::end_at_ctrl_c;
+use super::mission_table::MissionTable;
 use super::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
     FaultKind, FaultRates, Guarantee, Interrupted, Memory, MissionConfig, MissionStorage, Robot, RunMonitor,
-    Strategy, StrategySummary, StrategyTrials, pictures, report, run_keeping, run_strategies_believing,
+    Strategy, StrategySummary, StrategyTrials, TrialResult, pictures, report, run_keeping,
+    run_strategies_believing,
 };
 use floorguard_laboratory::mission::{expected_units, teach_cleaning};
 use floorguard_laboratory::status::{MissionStatus, write_status};
@@ -132,7 +134,7 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     let config = config(arguments);
     let missions = arguments.trials * arguments.strategy.len() as u64;
     let bar = ProgressBar::new(missions).with_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} missions, {eta} left")
+        ProgressStyle::with_template("{bar:40} {pos}/{len} missions, {eta} left\n{msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let mut prior = Prior::load(arguments, &floor)?;
@@ -141,6 +143,11 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     end_at_ctrl_c(&ended, "the run ends here")?;
     say!("{}", robot_words(&config.robot));
     let heartbeat = Heartbeat::start(missions);
+    let table = MissionTable::new(&arguments.strategy, arguments.trials);
+    let progress = |strategy, result: &TrialResult| {
+        bar.set_message(table.add(strategy, result));
+        heartbeat.count(&bar);
+    };
     let columns = match &arguments.resume {
         Some(file) => vec![kept_mission(arguments, (file, &ended), (&floor, &config), believed)?],
         None => run_strategies_believing(
@@ -148,7 +155,7 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
             (&arguments.strategy, &config, &arguments.dirt),
             believed,
             (arguments.trials, arguments.seed),
-            &RunMonitor { progress: &|| heartbeat.count(&bar), ended: &ended },
+            &RunMonitor { progress: &progress, ended: &ended },
         )?,
     };
     drop(heartbeat);

@@ -32,6 +32,8 @@ mod manual;
 mod map_here;
 #[cfg(feature = "laboratory")]
 mod mission;
+#[cfg(feature = "laboratory")]
+mod mission_table;
 mod panel;
 mod report;
 mod run;

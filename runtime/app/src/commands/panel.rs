@@ -3,6 +3,7 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
+use floorguard_configuration::PanelConfiguration;
 use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::exit::BadInput;
@@ -27,6 +28,8 @@ pub struct PanelOpening<'a> {
     pub robot: &'a RobotConfiguration,
     /// The file.
     pub records: Option<PathBuf>,
+    /// What the page shows besides the robot.
+    pub configured: PanelConfiguration,
 }
 
 /// Opens the panel of a run and says where it is.
@@ -41,7 +44,7 @@ pub fn open_panel(address: SocketAddr, opening: PanelOpening<'_>) -> anyhow::Res
         technician: variable(TECHNICIAN_VARIABLE),
     };
     let access = Access::new(address, tokens).map_err(|error| BadInput(error.to_string()))?;
-    let view = PanelView::new(opening.title, opening.robot);
+    let view = PanelView::new(opening.title, opening.robot).showing(&opening.configured);
     Panel::open(access, view, Records::open(opening.records))
         .map_err(|error| BadInput(format!("{error:#}")).into())
 }

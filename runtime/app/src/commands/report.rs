@@ -17,6 +17,7 @@ use floorguard_operator::report::{
     Circumstances, History, cells, cells_csv, document, pdf, proof, read_history,
 };
 use floorguard_operator::telemetry::RECORDED_AT;
+use floorguard_operator::words::Language;
 use floorguard_recording::Recording;
 use floorguard_robot::environment::Calendar;
 
@@ -40,9 +41,16 @@ pub struct ReportArguments {
     /// Also write the proof as a PDF file for a customer: what was cleaned, claimed with which confidence, what not and why.
     #[arg(long, value_name = "FILE.pdf")]
     pub pdf: Option<PathBuf>,
+    /// Language of the PDF file: en, de, fr, it or es.
+    #[arg(long, value_name = "CODE", default_value = "en", value_parser = language)]
+    pub language: Language,
     /// Also write each cell of a mission's floor: place, what is claimed, dirt before and after.
     #[arg(long, value_name = "FILE.csv")]
     pub cells: Option<PathBuf>,
+}
+
+fn language(code: &str) -> Result<Language, String> {
+    Language::of_code(code).ok_or_else(|| "write en, de, fr, it or es".to_owned())
 }
 
 /// Runs the command.
@@ -76,7 +84,7 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
         write(path, serde_json::to_string_pretty(&proof)?.as_bytes())?;
     }
     if let Some(path) = &arguments.pdf {
-        write(path, &pdf(&proof, &history))?;
+        write(path, &pdf(&proof, &history, arguments.language))?;
     }
     if let Some(path) = &arguments.cells {
         write(path, cells_csv(&cells(&history)).as_bytes())?;

@@ -256,7 +256,10 @@ fn open_sinks(
     }
     if let Some(address) = arguments.outputs.panel {
         let records = Some(records_beside(&arguments.file));
-        let mut panel = open_panel(address, PanelOpening { title: &name, robot, records })?;
+        let mut panel = open_panel(
+            address,
+            PanelOpening { title: &name, robot, records, configured: configuration.panel.clone() },
+        )?;
         panel.set_clock_start(clock::now());
         sinks.panel = Some(panel);
     }

@@ -7,7 +7,7 @@ use super::fleet::{FleetOpening, join};
 use super::interrupt::end_at_ctrl_c;
 use super::live_outputs::LiveOutputs;
 use super::panel::{PanelOpening, open_panel};
-use floorguard_configuration::FleetConfiguration;
+use floorguard_configuration::{FleetConfiguration, parse_recorded};
 use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time, watch_plan};
 use floorguard_operator::telemetry::RunSinks;
 
@@ -46,8 +46,13 @@ pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs
     }
     end_at_ctrl_c(&sinks.ended, "the run ends here")?;
     if let Some(address) = panel {
-        let opening =
-            PanelOpening { title: &plan.scenario.title, robot: &plan.robot, records: panel_records };
+        let configured = parse_recorded("robot.toml", &plan.robot_toml);
+        let opening = PanelOpening {
+            title: &plan.scenario.title,
+            robot: &plan.robot,
+            records: panel_records,
+            configured: configured.map(|read| read.configuration.panel).unwrap_or_default(),
+        };
         sinks.panel = Some(open_panel(address, opening)?);
     }
     Ok(())

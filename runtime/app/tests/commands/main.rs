@@ -10,6 +10,7 @@ mod map_edit;
 mod mission_command;
 mod mission_seen;
 mod panel_browser;
+mod panel_pictures;
 mod phone_browser;
 mod replay_command;
 mod replay_of_runs;

@@ -24,6 +24,13 @@ fn width_px(browser: &str, folder: &Path, page: &str) -> u32 {
         "<!doctype html><title>?</title><iframe width={PHONE_PX} height=844 srcdoc=\"{inner}\"></iframe>"
     );
     std::fs::write(&outer, frame).expect("written");
+    // Beside other tests a browser can be asked before it has laid out the page.
+    let widths = (0..5).map(|_| laid_out(browser, folder, &outer));
+    widths.flatten().next().expect("a width")
+}
+
+/// What the page of a phone says of its width.
+fn laid_out(browser: &str, folder: &Path, outer: &Path) -> Option<u32> {
     let output = Command::new(browser)
         .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom", "--timeout=3000"])
         .arg(format!("--user-data-dir={}", folder.join("profile").display()))
@@ -33,7 +40,10 @@ fn width_px(browser: &str, folder: &Path, page: &str) -> u32 {
     let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
     let title = output_text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
     let width = title.and_then(|(title, _)| title.parse().ok());
-    width.unwrap_or_else(|| panic!("no width: {}", output_text.chars().take(300).collect::<String>()))
+    if width.is_none() {
+        println!("no width: {}", output_text.chars().take(300).collect::<String>());
+    }
+    width
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn decided(html: &mut String, incident: &Incident) {
 
 fn sources(html: &mut String, incident: &Incident) {
     html.push_str(
-        "<h2>What each sensor saw</h2><div class=wide><table><tr><th>source<th>health<th class=num>age<th>saw</tr>",
+        "<h2>What each sensor saw</h2><div class=wide tabindex=0 role=region aria-label=\"What each sensor saw\"><table><tr><th>source<th>health<th class=num>age<th>saw</tr>",
     );
     for source in &incident.sources {
         let age = source.age_ms.map_or_else(|| "never".to_owned(), |age| format!("{age} ms"));
@@ -110,7 +110,7 @@ fn causes(html: &mut String, incident: &Incident) {
         return;
     }
     html.push_str(
-        "<h2>What else held at the same time</h2><div class=wide><table><tr><th class=num>since<th>cause<th>rule<th>remedy</tr>",
+        "<h2>What else held at the same time</h2><div class=wide tabindex=0 role=region aria-label=\"What else held at the same time\"><table><tr><th class=num>since<th>cause<th>rule<th>remedy</tr>",
     );
     for CauseLine { text, requirement, remedy, since_s, .. } in &incident.others {
         let _ = write!(
@@ -125,7 +125,7 @@ fn causes(html: &mut String, incident: &Incident) {
 
 fn before(html: &mut String, incident: &Incident) {
     html.push_str(
-        "<h2>The ten seconds before</h2><div class=wide><table><tr><th class=num>time<th>state<th class=num>m/s<th \
+        "<h2>The ten seconds before</h2><div class=wide tabindex=0 role=region aria-label=\"The ten seconds before\"><table><tr><th class=num>time<th>state<th class=num>m/s<th \
          class=num>permitted<th class=num>at most<th class=num>nearest person<th>held or limited by</tr>",
     );
     for row in &incident.before {

@@ -106,6 +106,12 @@ impl Access {
         })
     }
 
+    /// The token of viewers, where one is configured.
+    #[must_use]
+    pub fn viewer_token(&self) -> Option<String> {
+        self.others.iter().find(|(role, _)| *role == Role::Viewer).map(|(_, token)| token.clone())
+    }
+
     /// Whether a request was meant for this panel. A page of somebody else that has its own name point to this computer
     /// must not reach it.
     #[must_use]

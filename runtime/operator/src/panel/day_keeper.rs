@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use floorguard_configuration::Consumable;
 use floorguard_robot::environment::Calendar;
 
 use super::frame::{CauseFrame, Frame};
@@ -35,6 +36,7 @@ pub struct Promise {
 /// Keeps the day.
 pub struct DayKeeper {
     records: SharedRecords,
+    parts: Vec<Consumable>,
     calendar: Calendar,
     pub(super) promise: Promise,
     since: Since,
@@ -46,10 +48,11 @@ pub struct DayKeeper {
 }
 
 impl DayKeeper {
-    /// Into these records.
-    pub fn new(records: SharedRecords) -> Self {
+    /// Into these records, with the parts that wear out.
+    pub fn new(records: SharedRecords, parts: &[Consumable]) -> Self {
         Self {
             records,
+            parts: parts.to_vec(),
             calendar: Calendar::of_this_computer(),
             promise: Promise::default(),
             since: Since::default(),
@@ -112,6 +115,23 @@ impl DayKeeper {
             mission.into_iter().for_each(|mission| day.mission(mission));
         };
         self.records.lock().on_day(date_of(&now), add);
+        self.wear(since.moving_s, &now);
+    }
+
+    /// Parts wear while the robot drives.
+    fn wear(&self, moving_s: f64, now: &str) {
+        let mut records = self.records.lock();
+        for part in &self.parts {
+            if records.use_part(&part.name, moving_s, part.life_h) {
+                records.alert(Alert {
+                    at: now.to_owned(),
+                    name: "a part is worn out".to_owned(),
+                    text: format!("{}: {:.0} h driven with it", part.name, part.life_h),
+                    remedy: "Change the part and acknowledge it at the panel.".to_owned(),
+                    ..Alert::default()
+                });
+            }
+        }
     }
 
     /// A mission belongs to the day on which it is heard of; one that begins anew is another.

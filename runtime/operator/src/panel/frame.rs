@@ -1,11 +1,13 @@
 //! One picture for the browsers.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::headline::Headline;
 use super::hub::Order;
 use super::layers::MissionFrame;
+use super::supplies::SuppliesFrame;
 use crate::surroundings::Holder;
 use floorguard_robot::cleaner::QueueStatus;
 
@@ -66,7 +68,10 @@ pub struct CauseFrame {
 pub struct Frame {
     /// Counts pictures.
     pub number: u64,
-    /// Robot time, seconds.
+    /// Robot time.
+    #[serde(skip)]
+    pub stamp: Stamp,
+    /// Robot time since the page's zero, seconds.
     pub time_s: f64,
     /// What runs: scenario or configuration.
     pub title: String,
@@ -122,8 +127,14 @@ pub struct Frame {
     pub mission: Option<MissionFrame>,
     /// Missions that wait, and what came of the last order to them.
     pub queue: Option<QueueStatus>,
-    /// Number of the newest records: areas, alerts and days.
+    /// Number of the newest records: areas, alerts, days, schedules and parts.
     pub records: u64,
+    /// What the robot uses up, if it reports that.
+    pub supplies: Option<SuppliesFrame>,
+    /// Counts pictures of the camera; 0: there is none.
+    pub camera: u64,
+    /// How many other robots this page can show.
+    pub robots: usize,
     /// The last stops, newest first.
     pub stops: Vec<CauseFrame>,
 }

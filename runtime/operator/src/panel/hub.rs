@@ -14,11 +14,16 @@ use serde::Deserialize;
 use tokio::sync::watch;
 
 use super::access::Access;
+use super::brief::brief;
+use super::camera_picture::jpeg;
 use super::day_keeper::{DayKeeper, Promise};
 use super::layers::map_frame;
+use super::others::Others;
 use super::records::{Records, SharedRecords};
+use super::schedule_clock::ScheduleClock;
 use super::server;
 use super::view::PanelView;
+use floorguard_robot::camera::ColourPicture;
 use floorguard_robot::cleaner::{Area, AreaKind, MissionOrder, MissionProgress, MissionSetup};
 use floorguard_robot::navigator::NavigationProgress;
 
@@ -93,8 +98,14 @@ pub(super) struct Hub {
     pub awaited: watch::Receiver<Option<Order>>,
     /// The map of the mission, if there is one.
     pub map: watch::Receiver<Arc<str>>,
-    /// Areas, alerts, days.
+    /// Areas, alerts, days, schedules, parts.
     pub records: SharedRecords,
+    /// This robot in short.
+    pub brief: watch::Receiver<Arc<str>>,
+    /// Other robots.
+    pub others: Others,
+    /// The camera's newest picture, a JPEG file; empty before the first.
+    pub camera: watch::Receiver<Arc<[u8]>>,
     orders: Arc<Mutex<SyncSender<PanelOrder>>>,
 }
 
@@ -113,8 +124,12 @@ pub struct Panel {
     layers: watch::Sender<(u64, Arc<str>)>,
     awaited: watch::Sender<Option<Order>>,
     map: watch::Sender<Arc<str>>,
+    brief: watch::Sender<Arc<str>>,
+    camera: watch::Sender<Arc<[u8]>>,
+    pictures: u64,
     records: SharedRecords,
     days: DayKeeper,
+    schedules: ScheduleClock,
     orders: Receiver<PanelOrder>,
     drawn: Option<Instant>,
     address: SocketAddr,
@@ -136,6 +151,9 @@ impl Panel {
         let (map, map_seen) = watch::channel(Arc::from("{}"));
         let records = SharedRecords::new(records);
         let (awaited, awaited_seen) = watch::channel(None);
+        let (brief, brief_seen) = watch::channel(Arc::from("{}"));
+        let (camera, camera_seen) = watch::channel(Arc::from([]));
+        let others = Others::new(&view.configured.robots);
         let (sender, orders) = sync_channel(ORDERS_MAX);
         let hub = Hub {
             access: Arc::new(access),
@@ -145,17 +163,24 @@ impl Panel {
             awaited: awaited_seen,
             map: map_seen,
             records: records.clone(),
+            brief: brief_seen,
+            others,
+            camera: camera_seen,
             orders: Arc::new(Mutex::new(sender)),
         };
         say!("  panel: http://{address}/#{}", hub.access.token);
         std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
         Ok(Self {
+            days: DayKeeper::new(records.clone(), &view.configured.consumables),
+            schedules: ScheduleClock::new(records.clone()),
             view,
             newest,
             layers,
             awaited,
             map,
-            days: DayKeeper::new(records.clone()),
+            brief,
+            camera,
+            pictures: 0,
             records,
             orders,
             drawn: None,
@@ -184,6 +209,7 @@ impl Panel {
         let confidence_percent = 100.0 * (1.0 - setup.plan.delta);
         self.days.promise = Promise { confidence_percent, tolerated_units: setup.plan.tolerated_units };
         self.view.missions = Some(setup.orders.clone());
+        self.schedules.has_mission = true;
     }
 
     /// The areas that every mission keeps to; none if nothing was drawn.
@@ -196,6 +222,19 @@ impl Panel {
     /// A lidar datagram, for the points of the picture.
     pub fn lidar_datagram(&mut self, datagram: &[u8], arrival: Stamp) {
         self.view.lidar_datagram(datagram, arrival);
+    }
+
+    /// Bytes of another line: those of the bus tell what the robot uses up.
+    pub fn can_frame(&mut self, bytes: &[u8], arrival: Stamp) {
+        self.view.supplies.can_frame(bytes, arrival);
+    }
+
+    /// A picture of the floor camera, about once a second.
+    pub fn camera_picture(&mut self, picture: &ColourPicture) {
+        if let Some(file) = jpeg(picture) {
+            self.pictures += 1;
+            self.camera.send_replace(file.into());
+        }
     }
 
     /// A stop that began.
@@ -225,7 +264,16 @@ impl Panel {
         self.drawn = Some(Instant::now());
         let Some(mut frame) = self.view.frame(shared, self.start) else { return };
         self.days.look(&frame);
-        frame.records = self.records.lock().number();
+        self.schedules.look();
+        let alerts = {
+            let records = self.records.lock();
+            frame.records = records.number();
+            frame.supplies = self.view.supplies.frame(frame.stamp, &records.kept().parts);
+            records.kept().alerts.open()
+        };
+        frame.camera = self.pictures;
+        frame.robots = self.view.configured.robots.len();
+        self.brief.send_replace(brief(&frame, alerts).to_string().into());
         self.awaited.send_replace(frame.awaited());
         if let Ok(text) = serde_json::to_string(&frame) {
             self.newest.send_replace((frame.number, text.into()));
@@ -234,8 +282,16 @@ impl Panel {
 
     /// The next order of an operator.
     pub fn order(&mut self) -> Option<PanelOrder> {
-        self.orders.try_recv().ok()
+        self.schedules.order().map(PanelOrder::Mission).or_else(|| self.orders.try_recv().ok())
     }
+}
+
+/// What begins when a mission names these areas; `None` if one of them is not kept.
+pub(super) fn mission_of(names: &[String], kept: &[Area]) -> Option<MissionOrder> {
+    let of_name =
+        |name: &String| kept.iter().find(|area| area.kind == AreaKind::Clean && area.name == *name).cloned();
+    let cleaned: Vec<Area> = names.iter().map(of_name).collect::<Option<_>>()?;
+    Some(MissionOrder::Begin { name: names.join(", "), areas: [cleaned, standing_areas(kept)].concat() })
 }
 
 /// Areas that bind every mission: the others are cleaned when a mission names them.

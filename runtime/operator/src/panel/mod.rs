@@ -5,6 +5,8 @@
 //! release a stop: reset is a request that the guard judges, as from a button on the machine.
 
 mod access;
+mod brief;
+mod camera_picture;
 mod connections;
 mod day_keeper;
 mod frame;
@@ -12,15 +14,19 @@ mod headline;
 mod held_history;
 mod hub;
 mod layers;
+mod others;
 mod page;
 #[cfg(test)]
 mod page_tests;
 mod pdf_of_day;
 mod plain;
 mod records;
+mod schedule_clock;
 mod server;
 mod server_orders;
 mod server_records;
+mod server_upkeep;
+mod supplies;
 mod view;
 #[cfg(test)]
 mod words_tests;

@@ -3,7 +3,7 @@
 
 use std::sync::OnceLock;
 
-const PARTS: [(&str, &str); 9] = [
+const PARTS: [(&str, &str); 10] = [
     ("/*style*/", include_str!("page/style.css")),
     ("/*words*/", include_str!("page/words.js")),
     ("/*language*/", include_str!("page/language.js")),
@@ -12,6 +12,7 @@ const PARTS: [(&str, &str); 9] = [
     ("/*sight*/", include_str!("page/sight.js")),
     ("/*areas*/", include_str!("page/areas.js")),
     ("/*records*/", include_str!("page/records.js")),
+    ("/*upkeep*/", include_str!("page/upkeep.js")),
     ("/*main*/", include_str!("page/main.js")),
 ];
 

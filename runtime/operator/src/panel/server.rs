@@ -14,7 +14,7 @@ use super::access::Role;
 use super::connections::Bounded;
 use super::hub::Hub;
 use super::page::page as page_text;
-use super::{server_orders, server_records};
+use super::{server_orders, server_records, server_upkeep};
 
 /// A button is a few words.
 const BUTTON_BYTES_MAX: usize = 256;
@@ -32,6 +32,7 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             tokio::spawn(keep_records(hub.clone()));
+            hub.others.clone().read(hub.access.viewer_token())?;
             axum::serve(Bounded::new(listener), router(hub)).await
         })
     });
@@ -67,6 +68,11 @@ fn router(hub: Hub) -> Router {
         .route("/role", get(role))
         .route("/records", get(server_records::records))
         .route("/proof.pdf", get(server_records::proof))
+        .route("/brief", get(server_upkeep::brief))
+        .route("/robots", get(server_upkeep::robots))
+        .route("/camera.jpg", get(server_upkeep::camera))
+        .route("/schedules", post(server_upkeep::schedules))
+        .route("/changed", post(server_upkeep::changed))
         .route("/order", post(server_orders::order).layer(DefaultBodyLimit::max(BUTTON_BYTES_MAX)))
         .route("/mission", post(server_orders::mission))
         .route("/areas", post(server_orders::areas))
@@ -127,7 +133,7 @@ async fn page(State(hub): State<Hub>, headers: HeaderMap) -> Response {
     // The page itself says nothing about the robot; what it loads needs the token where there must be one.
     let mut response = (StatusCode::OK, page_text()).into_response();
     let policy = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; \
-                  img-src data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+                  img-src data: blob:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
     let fixed = [
         (header::CONTENT_TYPE, "text/html; charset=utf-8"),
         (header::CONTENT_SECURITY_POLICY, policy),

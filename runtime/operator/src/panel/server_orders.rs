@@ -4,17 +4,17 @@ use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::Response;
-use floorguard_robot::cleaner::{Area, AreaKind, MissionOrder};
+use floorguard_robot::cleaner::{Area, MissionOrder};
 use floorguard_robot::environment::Calendar;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::access::Role;
-use super::hub::{Hub, Order, standing_areas};
+use super::hub::{Hub, Order, mission_of, standing_areas};
 use super::server::{refusal, refused, saved, text};
 
 /// The body of a request from who may make it.
-fn body_of<T: DeserializeOwned>(
+pub(super) fn body_of<T: DeserializeOwned>(
     (hub, headers): (&Hub, &HeaderMap),
     needed: Role,
     (body, expected): (&Bytes, &'static str),
@@ -80,12 +80,7 @@ impl MissionBody {
                 return Ok(MissionOrder::Locate { x_m, y_m, heading_rad });
             }
         };
-        let of_name = |name: &String| {
-            kept.iter().find(|area| area.kind == AreaKind::Clean && area.name == *name).cloned()
-        };
-        let cleaned: Option<Vec<Area>> = areas.iter().map(of_name).collect();
-        let cleaned = cleaned.ok_or("there is no such area")?;
-        Ok(MissionOrder::Begin { name: areas.join(", "), areas: [cleaned, standing_areas(kept)].concat() })
+        mission_of(&areas, kept).ok_or("there is no such area")
     }
 }
 

@@ -11,6 +11,7 @@ use super::hub::Hub;
 use super::pdf_of_day::pdf_of_day;
 use super::records::Kept;
 use super::server::{json, refusal, refused};
+use crate::words::Language;
 
 #[derive(Serialize)]
 struct Numbered<'a> {
@@ -32,6 +33,8 @@ pub(super) async fn records(State(hub): State<Hub>, headers: HeaderMap) -> Respo
 pub(super) struct OfDay {
     /// The date, `2026-11-24`.
     day: String,
+    /// Two letters; English without.
+    language: Option<String>,
 }
 
 pub(super) async fn proof(
@@ -42,13 +45,14 @@ pub(super) async fn proof(
     if let Some(refused) = refused(&hub, &headers, Role::Viewer) {
         return refused;
     }
-    let Ok(Query(OfDay { day })) = query else {
+    let Ok(Query(OfDay { day, language })) = query else {
         return refusal(StatusCode::BAD_REQUEST, "day= is a date, as 2026-11-24");
     };
+    let language = language.and_then(|code| Language::of_code(&code)).unwrap_or_default();
     let record = hub.records.lock().kept().days.get(&day).cloned();
     let Some(record) = record else {
         return refusal(StatusCode::NOT_FOUND, "nothing is known of that day");
     };
     let head = [(header::CONTENT_TYPE, "application/pdf"), (header::CACHE_CONTROL, "no-store")];
-    (StatusCode::OK, head, pdf_of_day(&day, &record, &hub.title)).into_response()
+    (StatusCode::OK, head, pdf_of_day(&day, &record, (&hub.title, language))).into_response()
 }

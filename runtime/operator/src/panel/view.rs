@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_configuration::PanelConfiguration;
 use floorguard_guard::{CauseRecord, GuardState, Health};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
@@ -15,6 +16,7 @@ use super::headline::headline;
 use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::layers::{Layers, MissionFrame, layers, mission_frame};
 use super::plain::remedy;
+use super::supplies::Supplies;
 use crate::surroundings::{Surroundings, followed, scan_hits};
 use floorguard_recording::{LidarView, describe};
 use floorguard_robot::cleaner::{MissionOrders, MissionProgress};
@@ -37,6 +39,10 @@ pub struct PanelView {
     last_place: Option<Point2>,
     driven_m: f32,
     number: u64,
+    /// What the page shows besides the robot.
+    pub(super) configured: PanelConfiguration,
+    /// What the robot uses up.
+    pub(super) supplies: Supplies,
     mission: Option<Arc<MissionProgress>>,
     /// The first report of the mission: what was claimed then nobody has cleaned in it.
     mission_begin: Option<Arc<MissionProgress>>,
@@ -64,6 +70,8 @@ impl PanelView {
             last_place: None,
             driven_m: 0.0,
             number: 0,
+            configured: PanelConfiguration::default(),
+            supplies: Supplies::new(&PanelConfiguration::default(), robot.can.inputs_node),
             mission: None,
             mission_begin: None,
             drive: None,
@@ -72,6 +80,14 @@ impl PanelView {
             refused: None,
             missions: None,
         }
+    }
+
+    /// Shows these, too: other robots, parts that wear out, levels.
+    #[must_use]
+    pub fn showing(mut self, configured: &PanelConfiguration) -> Self {
+        self.configured = configured.clone();
+        self.supplies = Supplies::new(configured, self.robot.can.inputs_node);
+        self
     }
 
     /// What runs.
@@ -139,6 +155,7 @@ impl PanelView {
             headline_parts,
             holder,
             number: self.number,
+            stamp: decision.stamp,
             time_s: seconds(decision.stamp, start),
             title: self.title.clone(),
             state: format!("{:?}", decision.state),
@@ -166,6 +183,9 @@ impl PanelView {
             mission: self.mission_frame(),
             queue: self.missions.as_ref().map(MissionOrders::status),
             records: 0,
+            supplies: None,
+            camera: 0,
+            robots: 0,
             stops: self.stops.iter().cloned().collect(),
         })
     }

@@ -84,6 +84,7 @@ fn page_speaks_five_languages() {
         include_str!("page/map.js"),
         include_str!("page/areas.js"),
         include_str!("page/records.js"),
+        include_str!("page/upkeep.js"),
         include_str!("page/main.js"),
     ];
     let spoken = scripts.iter().flat_map(|script| spoken_by(script));

@@ -194,7 +194,7 @@ fn counters(html: &mut String, history: &History) {
     if history.counters.is_empty() {
         return;
     }
-    html.push_str("<h2>Counters at the end</h2><div class=wide><table>");
+    html.push_str("<h2>Counters at the end</h2><div class=wide tabindex=0 role=region aria-label=\"Counters at the end\"><table>");
     for (group, values) in &history.counters {
         for (name, value) in values {
             let _ = write!(

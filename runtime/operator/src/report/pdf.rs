@@ -1,8 +1,9 @@
-//! The proof of cleaning as a PDF file, without a browser.
+//! The proof of cleaning as a PDF file, without a browser, in five languages.
 
 use super::history::History;
-use super::proof::{Cell, Proof, cells};
+use super::proof::{Cell, Cleaning, Proof, cells};
 use super::sheet::Sheet;
+use crate::words::Language;
 use floorguard_recording::topics;
 
 /// Stops that are listed; the page of the report lists all.
@@ -12,8 +13,8 @@ const HELD_MAX: usize = 40;
 
 /// The file.
 #[must_use]
-pub fn pdf(proof: &Proof, history: &History) -> Vec<u8> {
-    let mut sheet = Sheet::new("Proof of cleaning");
+pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
+    let mut sheet = Sheet::new(language.say("Proof of cleaning"));
     let facts = [
         ("date", proof.date.as_str()),
         ("robot", proof.robot.as_str()),
@@ -23,66 +24,88 @@ pub fn pdf(proof: &Proof, history: &History) -> Vec<u8> {
         ("recording", proof.recording.as_str()),
     ];
     for (name, text) in facts.into_iter().filter(|(_, text)| !text.is_empty()) {
-        sheet.row(&[(0.0, name), (90.0, text)], false);
+        sheet.row(&[(0.0, language.say(name)), (90.0, text)], false);
     }
+    let number = |value: f64, digits: usize| language.number(value, digits);
+    let (lasted, driven) = (number(proof.duration_s, 0), number(proof.driven_m, 1));
     let run =
-        format!("{:.0} s, {:.1} m driven, {} stops", proof.duration_s, proof.driven_m, proof.stops.len());
-    sheet.row(&[(0.0, "run"), (90.0, &run)], false);
+        language.fill("{} s, {} m driven, {} stops", &[&lasted, &driven, &proof.stops.len().to_string()]);
+    sheet.row(&[(0.0, language.say("run")), (90.0, &run)], false);
     if let Some(cleaning) = &proof.cleaning {
-        claims(&mut sheet, cleaning);
+        claims(&mut sheet, cleaning, language);
     }
-    plan(&mut sheet, history);
-    if !proof.stops.is_empty() {
-        sheet.heading("Stops");
-        for stop in proof.stops.iter().take(STOPS_MAX) {
-            sheet.row(&[(0.0, &format!("{:.1} s", stop.at_s)), (90.0, &stop.cause)], false);
-        }
-        if proof.stops.len() > STOPS_MAX {
-            let more = format!("{} more are in the recording.", proof.stops.len() - STOPS_MAX);
-            sheet.row(&[(90.0, &more)], false);
-        }
-    }
+    plan(&mut sheet, history, language);
+    stops(&mut sheet, proof, language);
     if !history.held.is_empty() {
-        sheet.heading("What held the robot, and resets");
+        sheet.heading(language.say("What held the robot, and resets"));
         for (at_s, words) in history.held.iter().take(HELD_MAX) {
-            sheet.row(&[(0.0, &format!("{at_s:.1} s")), (90.0, words)], false);
+            let words = match words.strip_prefix("held by: ") {
+                Some(cause) => language.begin(cause),
+                None => language.begin(words),
+            };
+            sheet.row(&[(0.0, &format!("{} s", number(*at_s, 1))), (90.0, &words)], false);
         }
     }
-    sheet.signatures(&["operator", "customer", "date"]);
+    sheet.signatures(&["operator", "customer", "date"].map(|name| language.say(name)));
     sheet.finish()
 }
 
-fn claims(sheet: &mut Sheet, cleaning: &super::proof::Cleaning) {
-    sheet.heading("What is claimed");
+fn stops(sheet: &mut Sheet, proof: &Proof, language: Language) {
+    if proof.stops.is_empty() {
+        return;
+    }
+    sheet.heading(language.say("Stops"));
+    for stop in proof.stops.iter().take(STOPS_MAX) {
+        let at = format!("{} s", language.number(stop.at_s, 1));
+        sheet.row(&[(0.0, &at), (90.0, &language.begin(&stop.cause))], false);
+    }
+    if proof.stops.len() > STOPS_MAX {
+        let more = (proof.stops.len() - STOPS_MAX).to_string();
+        sheet.row(&[(90.0, &language.fill("{} more are in the recording.", &[&more]))], false);
+    }
+}
+
+fn claims(sheet: &mut Sheet, cleaning: &Cleaning, language: Language) {
+    sheet.heading(language.say("What is claimed"));
+    let number = |value: f64, digits: usize| language.number(value, digits);
     let claim = match (cleaning.confidence_percent, cleaning.tolerated_units) {
-        (Some(percent), Some(units)) => {
-            format!("with {percent:.1} % confidence no more than {units} units of dirt in each cell")
-        }
-        _ => "clean".to_owned(),
+        (Some(percent), Some(units)) => language.fill(
+            "with {} % confidence no more than {} units of dirt in each cell",
+            &[&number(percent, 1), &units.to_string()],
+        ),
+        _ => language.say("clean").to_owned(),
     };
     let rows = [
         ("cleaned", cleaning.cleaned_m2, claim.as_str()),
-        ("assumed clean", cleaning.assumed_m2, "no dirt was expected there; not cleaned in this run"),
-        ("not claimed", cleaning.to_do_m2, "nothing; the reasons stand below"),
+        (
+            "assumed clean",
+            cleaning.assumed_m2,
+            language.say("no dirt was expected there; not cleaned in this run"),
+        ),
+        ("not claimed", cleaning.to_do_m2, language.say("nothing; the reasons stand below")),
     ];
-    sheet.row(&[(0.0, "floor"), (110.0, "area"), (180.0, "claim")], true);
+    let heads = ["floor", "area", "claim"].map(|head| language.say(head));
+    let [floor, area, claim] = heads;
+    sheet.row(&[(0.0, floor), (130.0, area), (200.0, claim)], true);
     sheet.rule();
     for (name, area_m2, claim) in rows {
-        sheet.row(&[(0.0, name), (110.0, &format!("{area_m2:.1} m²")), (180.0, claim)], false);
+        let area = format!("{} m²", number(area_m2, 1));
+        sheet.row(&[(0.0, language.say(name)), (130.0, &area), (200.0, claim)], false);
     }
     for reason in &cleaning.not_claimed {
-        let cells = format!("{} cells", reason.cells);
-        sheet.row(&[(0.0, "not claimed:"), (110.0, &cells), (180.0, &reason.reason)], false);
+        let cells = language.fill("{} cells", &[&reason.cells.to_string()]);
+        let why = language.say(&reason.reason);
+        sheet.row(&[(0.0, language.say("not claimed")), (130.0, &cells), (200.0, why)], false);
     }
-    let rest = format!(
-        "{:.0} % of the expected dirt is gone; the robot waited {:.0} s for people. At the end the mission was: {}.",
-        cleaning.dirt_gone_percent, cleaning.waited_s, cleaning.phase
+    let rest = language.fill(
+        "{} % of the expected dirt is gone; the robot waited {} s for people. At the end the mission was: {}.",
+        &[&number(cleaning.dirt_gone_percent, 0), &number(cleaning.waited_s, 0), language.say(&cleaning.phase)],
     );
     sheet.row(&[(0.0, &rest)], false);
 }
 
 /// The floor in three colours, as on the panel.
-fn plan(sheet: &mut Sheet, history: &History) {
+fn plan(sheet: &mut Sheet, history: &History, language: Language) {
     let Some((_, last)) = history.grids.get(topics::CLAIMED) else { return };
     let colour = |cell: &Cell| match cell.state {
         "cleaned" => [0.18, 0.49, 0.20],
@@ -94,7 +117,8 @@ fn plan(sheet: &mut Sheet, history: &History) {
     let squares = cells
         .iter()
         .map(|cell| (index(cell.x_m, last.origin.x_m), index(cell.y_m, last.origin.y_m), colour(cell)));
-    sheet.heading("The floor");
+    sheet.heading(language.say("The floor"));
     sheet.plan((last.width, last.height), squares);
-    sheet.row(&[(0.0, "Green: cleaned in this run. Blue: assumed clean. Yellow: not claimed.")], false);
+    let key = language.say("Green: cleaned in this run. Blue: assumed clean. Yellow: not claimed.");
+    sheet.row(&[(0.0, key)], false);
 }

@@ -25,7 +25,7 @@ use floorguard_recording::replay::{LEARNED, MISSION, NAVIGATION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{Compression, MessageListener, RecordError, Recorder, RunInfo, RunRecorder};
 use floorguard_robot::assembly::{Stages, TapRow};
-use floorguard_robot::camera::{PictureFolder, SeenDirt};
+use floorguard_robot::camera::{ColourPicture, PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionProgress, MissionSetup};
 use floorguard_robot::environment::Calendar;
 use floorguard_robot::learning::{LearningSetup, LearningSlot};
@@ -185,8 +185,10 @@ impl RunSinks {
         if let Some(recording) = &mut self.recording {
             recording.delivered(when, line, data);
         }
-        if let (Some(panel), TapeLine::Lidar) = (&mut self.panel, line) {
-            panel.lidar_datagram(data, Stamp::from_micros(when.1));
+        match (&mut self.panel, line) {
+            (Some(panel), TapeLine::Lidar) => panel.lidar_datagram(data, Stamp::from_micros(when.1)),
+            (Some(panel), TapeLine::Can) => panel.can_frame(data, Stamp::from_micros(when.1)),
+            _ => {}
         }
     }
 
@@ -237,6 +239,13 @@ impl RunSinks {
             panel.navigation(progress);
         }
         self.drive = Some(Arc::clone(progress));
+    }
+
+    /// A picture of the floor camera, about once a second; for people only.
+    pub fn camera_picture(&mut self, picture: &ColourPicture) {
+        if let Some(panel) = &mut self.panel {
+            panel.camera_picture(picture);
+        }
     }
 
     /// The floor camera's map of dirt.

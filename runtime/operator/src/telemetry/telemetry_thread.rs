@@ -15,7 +15,7 @@ use super::run_sinks::RunSinks;
 use crate::panel::Order;
 use floorguard_host::executor::{Ring, take_priority};
 use floorguard_robot::assembly::{HostedShared, Tap, TapRow, TapRows, tap};
-use floorguard_robot::camera::SeenDirt;
+use floorguard_robot::camera::{ColourPicture, SeenDirt};
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::navigator::NavigationProgress;
 
@@ -29,6 +29,7 @@ enum TelemetryEvent {
     Navigation(Arc<NavigationProgress>),
     Order(Order),
     Dirt(Box<SeenDirt>),
+    Picture(ColourPicture),
 }
 
 /// The channel to the telemetry thread, if there is one.
@@ -56,6 +57,11 @@ impl TelemetrySender<'_> {
     /// The floor camera's map of dirt.
     pub fn seen_dirt(&self, seen: Box<SeenDirt>) {
         self.note(TelemetryEvent::Dirt(seen));
+    }
+
+    /// A picture of the floor camera.
+    pub fn camera_picture(&self, picture: ColourPicture) {
+        self.note(TelemetryEvent::Picture(picture));
     }
 
     /// An operator's order: the tasks get it, and so does the recording.
@@ -163,6 +169,7 @@ fn take_in(
             TelemetryEvent::Mission(progress) => sinks.mission(&progress),
             TelemetryEvent::Navigation(progress) => sinks.navigation(&progress),
             TelemetryEvent::Dirt(seen) => sinks.seen_dirt(&seen),
+            TelemetryEvent::Picture(picture) => sinks.camera_picture(&picture),
             TelemetryEvent::Order(order) => sinks.order(order, shared, now_us),
         }
     }

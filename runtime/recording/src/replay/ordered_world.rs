@@ -6,6 +6,7 @@ use std::io::Read;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::can::CanFrame;
+use floorguard_guard::Advice;
 use floorguard_robot::assembly::{
     GuardCarriers, GuardTask, ScannerCarrier, new_perception, spawn_guard_ring,
 };
@@ -15,6 +16,7 @@ use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{Motion, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_runtime::tasks::perceive;
+use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
 use super::audience::{Difference, OrderOutcome, ReplayAudience, ReplayError, ReplayOutcome};
@@ -88,6 +90,13 @@ impl Waiting {
     }
 }
 
+/// What reaches the guard by a slot: the newest counts.
+enum Input {
+    Command(Stamp, Twist2),
+    Advice(Box<Advice>),
+    Operator(TapeLine),
+}
+
 struct Stage<'a> {
     run: OrderedRun<'a>,
     shared: &'a Shared<NoopRawMutex>,
@@ -97,8 +106,8 @@ struct Stage<'a> {
     perception: TaskSet<'a>,
     waiting: Waiting,
     expected_frames: usize,
-    /// The poll takes an advice, a command or a button.
-    has_input: bool,
+    /// What the poll takes besides bytes, in the order in which it took it.
+    inputs: Vec<Input>,
     /// What was decided then, at last.
     recorded: DecisionRow,
     digest: OutputDigest,
@@ -130,7 +139,7 @@ pub(super) fn play_ordered<R: Read>(
         perception: perceiving,
         waiting: Waiting::default(),
         expected_frames: 0,
-        has_input: false,
+        inputs: Vec::new(),
         recorded: DecisionRow::default(),
         digest: OutputDigest::default(),
         seen: (0, 0),
@@ -212,23 +221,22 @@ impl Stage<'_> {
                 }
             }
             OrderEntry::Sent => self.expected_frames += 1,
-            OrderEntry::Command(stamp, wanted) => {
-                self.has_input = true;
-                self.shared.wanted.publish((stamp, wanted));
-            }
-            OrderEntry::Advice(advice) => {
-                self.has_input = true;
-                self.shared.advice.publish(*advice);
-            }
-            OrderEntry::Operator(button) => {
-                self.has_input = true;
-                let signal = if button == TapeLine::Start { &self.shared.start } else { &self.shared.reset };
-                signal.signal(());
-            }
+            OrderEntry::Command(stamp, wanted) => self.inputs.push(Input::Command(stamp, wanted)),
+            OrderEntry::Advice(advice) => self.inputs.push(Input::Advice(advice)),
+            OrderEntry::Operator(button) => self.inputs.push(Input::Operator(button)),
             OrderEntry::Polled(row) => self.poll(&row, audience)?,
             OrderEntry::Lost => self.end_here(),
         }
         Ok(())
+    }
+
+    fn give(&self, input: Input) {
+        match input {
+            Input::Command(stamp, wanted) => self.shared.wanted.publish((stamp, wanted)),
+            Input::Advice(advice) => self.shared.advice.publish(*advice),
+            Input::Operator(TapeLine::Start) => self.shared.start.signal(()),
+            Input::Operator(_) => self.shared.reset.signal(()),
+        }
     }
 
     fn advance(&mut self, at: Stamp) {
@@ -243,14 +251,21 @@ impl Stage<'_> {
 
     fn poll(&mut self, row: &PolledRow, audience: &mut dyn ReplayAudience) -> Result<(), ReplayError> {
         self.advance(row.at);
-        let has_input = std::mem::take(&mut self.has_input);
+        let inputs = std::mem::take(&mut self.inputs);
         let before = self.shared.decision.published();
         let index = row.task.and_then(|task| self.names.iter().position(|name| *name == task));
         // Today's perception publishes its own advice. Only the recorded one may reach the guard.
         let takes_input =
             matches!(row.task, Some(GuardTask::Command | GuardTask::Advice | GuardTask::Operator));
-        if let Some(index) = index.filter(|_| has_input || !takes_input) {
-            self.guard.poll_one(index);
+        if let (Some(index), true) = (index, takes_input) {
+            // While it decided on one, the next came, and it went on with that in the same poll.
+            for input in inputs {
+                self.give(input);
+                self.guard.poll_one(index);
+            }
+        } else {
+            inputs.into_iter().for_each(|input| self.give(input));
+            index.into_iter().for_each(|index| self.guard.poll_one(index));
         }
         self.outcome.polls += 1;
         let decisions = u64::from(self.shared.decision.published().wrapping_sub(before));
@@ -343,3 +358,7 @@ fn bytes_of(frame: &CanFrame) -> Vec<u8> {
     let id = frame.standard_id().unwrap_or_default().to_le_bytes();
     id.iter().chain(frame.payload()).copied().collect()
 }
+
+#[cfg(test)]
+#[path = "ordered_tests.rs"]
+mod tests;

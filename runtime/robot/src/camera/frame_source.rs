@@ -1,6 +1,7 @@
 //! Where pictures come from, and what each of the two streams has to say.
 
 use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::ImageSize;
 use floorguard_types::time::Stamp;
 
 use super::pixels::WrongFrame;
@@ -16,6 +17,15 @@ pub enum FrameEvent<P> {
     Damaged(WrongFrame),
     /// No pictures come: why. Reported again at every attempt to get some.
     Silent(String),
+}
+
+/// A colour picture for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColourPicture {
+    /// Red, green, blue, row by row from the top left.
+    pub rgb: Vec<u8>,
+    /// Columns and rows.
+    pub size: ImageSize,
 }
 
 /// A depth camera with or without a colour camera beside it.

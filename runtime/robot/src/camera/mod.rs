@@ -22,7 +22,7 @@ pub use dirt_stage::{DirtBlind, DirtStage, SeenDirt};
 pub use floor_stage::FloorStage;
 pub use folder_names::stamp_us as stamp_of_name;
 pub use folder_source::FolderSource;
-pub use frame_source::{FrameEvent, FrameSource};
+pub use frame_source::{ColourPicture, FrameEvent, FrameSource};
 pub use kernel_source::KernelSource;
 pub use people::DepthPeopleStage;
 pub use picture_folder::{DepthPicture, FloorMounting, PictureCamera, PictureFolder};

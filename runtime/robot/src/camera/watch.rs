@@ -10,7 +10,7 @@ use floorguard_types::time::{Age, Stamp};
 
 use super::dirt_stage::SeenDirt;
 use super::folder_source::FolderSource;
-use super::frame_source::FrameSource;
+use super::frame_source::{ColourPicture, FrameSource};
 use super::kernel_source::KernelSource;
 use super::watcher::Watcher;
 use crate::assembly::HostedShared;
@@ -27,6 +27,8 @@ const SEEN_EVERY_US: u64 = 10_000_000;
 pub enum CameraEvent {
     /// For the console.
     Message(String),
+    /// A picture for people, about once a second.
+    Picture(ColourPicture),
     /// The map of dirt, from time to time and at the end.
     Dirt(Box<SeenDirt>),
 }
@@ -84,6 +86,7 @@ fn watch(
         let attended = watcher.attend(&mut source, pose, clock::now);
         attended.words.into_iter().for_each(|words| tell(CameraEvent::Message(words)));
         attended.people.into_iter().for_each(|view| inbox.put(view));
+        attended.picture.into_iter().for_each(|picture| tell(CameraEvent::Picture(picture)));
         if let Some(sight) = attended.sight {
             shared.floor.publish(sight);
         } else {

@@ -5,11 +5,12 @@ use floorguard_guard::FloorSight;
 use floorguard_perception::people::PeopleView;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::Pose2;
-use floorguard_types::time::Stamp;
+use floorguard_types::sensing::ImageSize;
+use floorguard_types::time::{Age, Stamp};
 
 use super::dirt_stage::{DirtStage, SeenDirt};
 use super::floor_stage::FloorStage;
-use super::frame_source::{FrameEvent, FrameSource};
+use super::frame_source::{ColourPicture, FrameEvent, FrameSource};
 use super::log_throttle::LogThrottle;
 use super::pairing::{Pair, Pairing};
 use super::people::DepthPeopleStage;
@@ -17,6 +18,9 @@ use floorguard_configuration::CameraConfiguration;
 
 /// Unpaired colour pictures in a row that are reported.
 const ALONE_MAX: u32 = 30;
+
+/// People get a picture this often, microseconds.
+const SHOWN_EVERY_US: u64 = 1_000_000;
 
 /// The memory of one camera.
 pub struct Watcher {
@@ -26,6 +30,8 @@ pub struct Watcher {
     dirt: Option<DirtStage>,
     pairing: Pairing,
     throttle: [LogThrottle; 2],
+    size: ImageSize,
+    shown: Option<Stamp>,
 }
 
 /// The result of one poll of the streams.
@@ -35,6 +41,8 @@ pub struct Attended {
     pub sight: Option<FloorSight>,
     /// For the list of people.
     pub people: Option<PeopleView>,
+    /// For people, about once a second.
+    pub picture: Option<ColourPicture>,
     /// For the console.
     pub words: Vec<String>,
 }
@@ -50,6 +58,8 @@ impl Watcher {
             dirt,
             pairing: Pairing::default(),
             throttle: Default::default(),
+            size: camera.size,
+            shown: None,
         })
     }
 
@@ -131,6 +141,7 @@ impl Watcher {
         match event {
             FrameEvent::Nothing => {}
             FrameEvent::Picture(stamp, rgb) => {
+                attended.picture = self.show(&rgb, now);
                 let pair = self.pairing.colour(stamp, rgb);
                 self.judge(pair, now, attended);
                 if self.pairing.alone >= ALONE_MAX {
@@ -141,6 +152,16 @@ impl Watcher {
             FrameEvent::Damaged(problem) => self.blind_to_dirt(&problem.to_string(), now, attended),
             FrameEvent::Silent(why) => self.blind_to_dirt(&why, now, attended),
         }
+    }
+
+    /// A copy for people, when the last is old enough.
+    fn show(&mut self, rgb: &[u8], now: Stamp) -> Option<ColourPicture> {
+        let is_new = |shown: &Stamp| !matches!(shown.age(now), Age::Past(age_us) if age_us >= SHOWN_EVERY_US);
+        if self.shown.as_ref().is_some_and(is_new) {
+            return None;
+        }
+        self.shown = Some(now);
+        Some(ColourPicture { rgb: rgb.to_vec(), size: self.size })
     }
 
     /// A colour picture with its depth picture: dirt.

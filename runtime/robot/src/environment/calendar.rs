@@ -4,6 +4,17 @@ use anyhow::{Context, anyhow};
 use floorguard_mapping::environment::WallTime;
 use jiff::{Timestamp, Zoned, civil::DateTime, tz::TimeZone};
 
+/// A moment as the clock on the wall shows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CivilMoment {
+    /// The date, `2026-11-24`.
+    pub date: String,
+    /// Day of the week, 1 Monday to 7 Sunday.
+    pub weekday: u8,
+    /// Minutes after midnight, 0 to 1,439.
+    pub minute: u16,
+}
+
 /// The calendar of a place.
 #[derive(Clone, Debug)]
 pub struct Calendar {
@@ -88,6 +99,15 @@ impl Calendar {
     #[must_use]
     pub fn iso(&self, at: WallTime) -> String {
         self.zoned(at).map_or_else(String::new, |at| at.strftime("%Y-%m-%dT%H:%M:%S%:z").to_string())
+    }
+
+    /// Date, day of the week and time of day; `None` for a moment that no calendar has.
+    #[must_use]
+    pub fn civil(&self, at: WallTime) -> Option<CivilMoment> {
+        let at = self.zoned(at)?;
+        let weekday = u8::try_from(at.weekday().to_monday_one_offset()).ok()?;
+        let minute = u16::try_from(at.hour()).ok()? * 60 + u16::try_from(at.minute()).ok()?;
+        Some(CivilMoment { date: at.strftime("%Y-%m-%d").to_string(), weekday, minute })
     }
 
     fn zoned(&self, at: WallTime) -> Option<Zoned> {

@@ -18,7 +18,7 @@ mod zones;
 
 pub use answer::{Answer, answer};
 pub(crate) use bytes::{Reader, Writer};
-pub use calendar::Calendar;
+pub use calendar::{Calendar, CivilMoment};
 pub use codec::{FORMAT_VERSION, decode, encode};
 pub use live::LiveLearner;
 pub use merge::merge;

@@ -112,6 +112,10 @@ function showAreas() {
 $("draw").onsubmit = e => { e.preventDefault(); $("draw-button").click(); };
 $("draw-button").onclick = () => { const kind = $("kind").value; take({kind, name: $("name").value.trim() || nameFor(kind)}); $("name").value = ""; };
 $("locate").onclick = () => take({});
+$("relocate").onclick = () => {
+  const {inMap, turn} = mapFrame(), [x_m, y_m] = inMap(frame.pose);
+  send("/mission", {do: "locate", x_m, y_m, heading_rad: frame.pose[2] + turn}, t("The robot looks around whether it is there."));
+};
 $("hint-cancel").onclick = drop;
 $("begin-button").onclick = () => {
   const chosen = [...document.querySelectorAll("#choices input:checked:not(:disabled)")].map(box => box.value);

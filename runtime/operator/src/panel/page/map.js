@@ -168,8 +168,11 @@ function drawPeople(g, at) {
     g.fill();
     if (!isPerson) continue;
     g.beginPath();
-    for (const p of those) line([p.at_m, [p.at_m[0] + p.velocity_mps[0], p.at_m[1] + p.velocity_mps[1]]]);
-    g.stroke();
+    const ahead = (p, s) => [p.at_m[0] + s * p.velocity_mps[0], p.at_m[1] + s * p.velocity_mps[1]];
+    const walk = those.filter(p => Math.hypot(...p.velocity_mps) > 0.1);
+    for (const p of walk) line([p.at_m, ahead(p, 3)]);
+    g.globalAlpha = 0.45; g.stroke(); g.globalAlpha = 1;
+    dots(g, [1, 2, 3].flatMap(s => walk.map(p => at(ahead(p, s)))), 2.5);
     g.fillStyle = colours.paper; g.font = "12px system-ui"; g.textAlign = "center";
     if (radius > 5) for (const p of those) { const [x, y] = at(p.at_m); g.fillText(p.id, x, y + 4); }
   }

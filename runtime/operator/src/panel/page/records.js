@@ -10,7 +10,7 @@ async function fetchRecords() {
   fetching = false;
 }
 
-function showRecords() { showAreas(); showAlerts(); showDays(); }
+function showRecords() { showAreas(); showAlerts(); showDays(); showSchedules(); }
 
 function alertLine(alert) {
   const line = element("li", ""), words = element("span", "");
@@ -49,7 +49,7 @@ function showDays() {
     const line = element("tr", "");
     const proof = element("td", ""), button = element("button", "PDF", "plain");
     button.setAttribute("aria-label", t("Proof of {} as PDF", row.date));
-    button.onclick = () => download("/proof.pdf?day=" + row.date, "proof-" + row.date + ".pdf");
+    button.onclick = () => download("/proof.pdf?day=" + row.date + "&language=" + language, "proof-" + row.date + ".pdf");
     proof.append(button); line.append(element("td", row.date), proof);
     for (const text of [number(row.cleaned, 1), number(row.rate, 1), number(row.hours, 1), number(row.stops)]) line.append(element("td", text));
     table.append(line);

@@ -39,6 +39,7 @@ function show(next) {
     return line;
   });
   showMission(next);
+  showSupplies(next); showCamera(next); showRobots(next);
   const last = path[path.length - 1];
   if (!last || Math.hypot(last[0] - next.pose[0], last[1] - next.pose[1]) > 0.05) path.push(next.pose.slice(0, 2));
   if (path.length > 20000) path.splice(0, 5000);

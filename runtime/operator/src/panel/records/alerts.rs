@@ -46,6 +46,12 @@ impl Alerts {
         any
     }
 
+    /// How many nobody has acknowledged.
+    #[must_use]
+    pub fn open(&self) -> usize {
+        self.list.iter().filter(|alert| alert.acknowledged.is_none()).count()
+    }
+
     /// The newest.
     #[must_use]
     pub fn newest(&self) -> Option<&Alert> {

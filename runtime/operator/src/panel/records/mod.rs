@@ -4,19 +4,24 @@
 
 mod alerts;
 mod days;
+mod parts;
+mod schedules;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use floorguard_robot::cleaner::{Area, check_areas};
-use floorguard_robot::environment::{read_newest, replace_file};
+use floorguard_robot::environment::{Calendar, read_newest, replace_file};
 use serde::{Deserialize, Serialize};
 
 pub use alerts::Alert;
 pub use days::{Day, MissionRecord};
+pub use parts::PartUse;
+pub use schedules::Schedule;
 
 use alerts::Alerts;
+use schedules::{check_schedules, take_due};
 
 /// Days that are kept.
 const DAYS_MAX: usize = 400;
@@ -33,6 +38,12 @@ pub struct Kept {
     pub alerts: Alerts,
     /// What was done, by date.
     pub days: BTreeMap<String, Day>,
+    /// Missions that begin by the clock.
+    #[serde(default)]
+    pub schedules: Vec<Schedule>,
+    /// Parts that wear out, by name.
+    #[serde(default)]
+    pub parts: BTreeMap<String, PartUse>,
 }
 
 /// The records of a panel.
@@ -44,10 +55,10 @@ pub struct Records {
     saved: u64,
 }
 
-/// Why areas are not taken.
+/// Why areas or schedules are not taken.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct AreasRefused(String);
+pub struct RecordRefused(String);
 
 impl Records {
     /// Of a file; without one, of this run only. A file that cannot be read is left alone and reported.
@@ -57,6 +68,7 @@ impl Records {
             let kept: Kept = serde_json::from_slice(bytes)?;
             anyhow::ensure!(kept.version == VERSION, "another version");
             check_areas(&kept.areas)?;
+            check_schedules(&kept.schedules)?;
             Ok(kept)
         };
         let kept = path.as_ref().and_then(|path| read_newest(path, decode));
@@ -82,11 +94,49 @@ impl Records {
     ///
     /// # Errors
     /// Areas that no plan can have.
-    pub fn set_areas(&mut self, areas: Vec<Area>) -> Result<(), AreasRefused> {
-        check_areas(&areas).map_err(|error| AreasRefused(error.to_string()))?;
+    pub fn set_areas(&mut self, areas: Vec<Area>) -> Result<(), RecordRefused> {
+        check_areas(&areas).map_err(|error| RecordRefused(error.to_string()))?;
         self.kept.areas = areas;
         self.number += 1;
         Ok(())
+    }
+
+    /// Other schedules from now on. One that stays as it was does not begin a second time today.
+    ///
+    /// # Errors
+    /// Schedules that the clock cannot follow.
+    pub fn set_schedules(&mut self, schedules: Vec<Schedule>) -> Result<(), RecordRefused> {
+        check_schedules(&schedules).map_err(|error| RecordRefused(error.to_string()))?;
+        let began = |schedule: &Schedule| {
+            let is_same = |known: &&Schedule| known.name == schedule.name && known.minute == schedule.minute;
+            self.kept.schedules.iter().find(is_same).map(|known| known.began.clone()).unwrap_or_default()
+        };
+        let schedules =
+            schedules.into_iter().map(|schedule| Schedule { began: began(&schedule), ..schedule });
+        self.kept.schedules = schedules.collect();
+        self.number += 1;
+        Ok(())
+    }
+
+    /// The missions that the clock begins now; each is given once.
+    pub fn take_due(&mut self, calendar: &Calendar) -> Vec<Schedule> {
+        let due = take_due(&mut self.kept.schedules, calendar);
+        self.number += u64::from(!due.is_empty());
+        due
+    }
+
+    /// A part that wears out was driven with; true when its life has ended with it.
+    pub fn use_part(&mut self, name: &str, driven_s: f64, life_h: f32) -> bool {
+        self.number += 1;
+        self.kept.parts.entry(name.to_owned()).or_default().add(driven_s, life_h)
+    }
+
+    /// A technician has changed a part. False if there is none of this name.
+    pub fn part_changed(&mut self, name: &str, at: &str) -> bool {
+        let Some(part) = self.kept.parts.get_mut(name) else { return false };
+        *part = PartUse { changed: at.to_owned(), ..PartUse::default() };
+        self.number += 1;
+        true
     }
 
     /// Something happened.

@@ -1,0 +1,138 @@
+//! The words of panel and reports in five languages, from one table, and numbers as each language writes them.
+
+use std::collections::HashMap;
+use std::sync::OnceLock;
+
+/// The table: a script for the page, and between its brackets rows of text, English first.
+const TABLE: &str = include_str!("panel/page/words.js");
+
+/// A language of panel and reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// English.
+    #[default]
+    English,
+    /// German.
+    German,
+    /// French.
+    French,
+    /// Italian.
+    Italian,
+    /// Spanish.
+    Spanish,
+}
+
+impl Language {
+    /// All, in the order of the table's columns.
+    pub const ALL: [Self; 5] = [Self::English, Self::German, Self::French, Self::Italian, Self::Spanish];
+
+    /// Its two letters (ISO 639-1).
+    #[must_use]
+    pub const fn code(self) -> &'static str {
+        match self {
+            Self::English => "en",
+            Self::German => "de",
+            Self::French => "fr",
+            Self::Italian => "it",
+            Self::Spanish => "es",
+        }
+    }
+
+    /// By its two letters.
+    #[must_use]
+    pub fn of_code(code: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|language| language.code() == code)
+    }
+
+    /// Words in this language; what the table does not have stays English.
+    #[must_use]
+    pub fn say(self, english: &str) -> &str {
+        table().get(english).and_then(|row| row.get(self as usize)).map_or(english, String::as_str)
+    }
+
+    /// A sentence with gaps, each filled in its order.
+    #[must_use]
+    pub fn fill(self, english: &str, gaps: &[&str]) -> String {
+        let mut pieces = self.say(english).split("{}");
+        let mut text = pieces.next().unwrap_or_default().to_owned();
+        for (index, piece) in pieces.enumerate() {
+            text.push_str(gaps.get(index).copied().unwrap_or_default());
+            text.push_str(piece);
+        }
+        text
+    }
+
+    /// Words that begin with some of the table and go on with numbers: the beginning in this language.
+    #[must_use]
+    pub fn begin(self, english: &str) -> String {
+        let ends = english.char_indices().map(|(at, _)| at).filter(|at| *at > 0).rev();
+        let known =
+            std::iter::once(english.len()).chain(ends).find(|end| table().contains_key(&english[..*end]));
+        known.map_or_else(|| english.to_owned(), |end| [self.say(&english[..end]), &english[end..]].concat())
+    }
+
+    /// A number with so many digits behind the point, or comma.
+    #[must_use]
+    pub fn number(self, value: f64, digits: usize) -> String {
+        let text = format!("{value:.digits$}");
+        if self == Self::English { text } else { text.replace('.', ",") }
+    }
+}
+
+fn table() -> &'static HashMap<String, Vec<String>> {
+    static READ: OnceLock<HashMap<String, Vec<String>>> = OnceLock::new();
+    READ.get_or_init(|| {
+        let rows = TABLE.trim().strip_prefix("const WORDS =").and_then(|text| text.strip_suffix(';'));
+        let rows: Vec<Vec<String>> =
+            rows.and_then(|rows| serde_json::from_str(rows).ok()).unwrap_or_default();
+        rows.into_iter().filter_map(|row| Some((row.first()?.clone(), row))).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Literals of a source that people read: with a letter, and neither a format nor a name of the program's.
+    fn spoken(source: &str) -> impl Iterator<Item = String> {
+        let code = source.split("#[cfg(test)]").next().unwrap_or_default();
+        let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        let pieces: Vec<String> = code.join("\n").split('"').skip(1).step_by(2).map(str::to_owned).collect();
+        let is_format = |text: &str| {
+            text.contains(":.") || text.trim_start_matches("{}").trim() == "s" || text.contains("{date}")
+        };
+        pieces.into_iter().filter(move |text| text.chars().any(char::is_alphabetic) && !is_format(text))
+    }
+
+    /// What the PDF files say stands in the table.
+    #[test]
+    fn proofs_speak_five_languages() {
+        let sources = [include_str!("report/pdf.rs"), include_str!("panel/pdf_of_day.rs")];
+        let own = ["held by: ", "floorguard {}", "CARGO_PKG_VERSION", "{} m²", "m²"];
+        let missing: Vec<String> = sources
+            .iter()
+            .flat_map(|source| spoken(source))
+            .chain(floorguard_recording::mission::DOUBTS.iter().map(|(_, words)| (*words).to_owned()))
+            .filter(|text| !table().contains_key(text) && !own.contains(&text.as_str()))
+            .collect();
+        assert!(missing.is_empty(), "{missing:#?}");
+    }
+
+    #[test]
+    fn five_languages_come_from_the_table() {
+        assert!(table().len() > 150, "{}", table().len());
+        let (german, english) = (Language::German, Language::English);
+        assert_eq!(german.say("to do"), "noch zu reinigen");
+        assert_eq!(german.fill("The area {} is kept.", &["Halle"]), "Der Bereich Halle ist gespeichert.");
+        assert_eq!(english.fill("{} {}", &["a"]), "a ");
+        assert_eq!(
+            german.begin("emergency stop pressed, 3 s"),
+            format!("{}, 3 s", german.say("emergency stop pressed"))
+        );
+        assert_eq!(german.begin("größer"), "größer");
+        assert_eq!((german.number(1.25, 1), english.number(1.25, 1)), ("1,2".to_owned(), "1.2".to_owned()));
+        for language in Language::ALL {
+            assert_eq!(Language::of_code(language.code()), Some(language));
+        }
+    }
+}

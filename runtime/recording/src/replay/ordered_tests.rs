@@ -1,0 +1,59 @@
+//! What the order of a run in real time means, row by row.
+
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use floorguard_configuration::{EXAMPLE, parse};
+use floorguard_robot::assembly::{Poll, TapRow};
+use floorguard_runtime::shared::PeopleReport;
+use floorguard_types::geometry::Twist2;
+
+use super::*;
+use crate::order::OrderLog;
+use crate::{RunInfo, RunRecorder};
+
+struct Nobody;
+
+impl ReplayAudience for Nobody {
+    fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
+}
+
+fn at(us: u64) -> Stamp {
+    Stamp::from_micros(us)
+}
+
+/// A second command that comes while the guard decides on the first is taken in the same poll: two decisions, not one.
+#[test]
+fn commands_of_one_poll_are_all_repeated() {
+    let robot = parse("robot.toml", EXAMPLE).expect("the example").robot;
+    let commands = [(at(900), Twist2::new(0.2, 0.0)), (at(950), Twist2::new(0.3, 0.1))];
+    let shared: Box<Shared<NoopRawMutex>> = Box::new(Shared::unconfigured(Motion::new(robot.wheels())));
+    shared.configure(robot.guard(), at(500)).expect("a robot");
+    for (stamp, wanted) in commands {
+        shared.decide(|guard| guard.on_command(wanted, stamp, at(1_000)));
+    }
+    let decision = shared.decision.get();
+    let poll = Poll { task: GuardTask::Command, at: at(1_000), decisions: 2, decision };
+    let mut log = OrderLog::default();
+    log.note(&TapRow::Began(at(500)));
+    commands.into_iter().for_each(|(stamp, wanted)| {
+        log.note(&TapRow::Command(stamp, wanted));
+    });
+    log.note(&TapRow::Polled(poll));
+    let info = RunInfo {
+        robot: &robot,
+        robot_toml: EXAMPLE,
+        imu_baud: 115_200,
+        clouds_every: 0,
+        texts: BTreeMap::new(),
+    };
+    let mut recorder = RunRecorder::new(Cursor::new(Vec::new()), &info).expect("a recorder");
+    recorder.order(1_000, &log.take().expect("entries"));
+    let file = recorder.finish(1_000, None).expect("written").into_inner();
+    let mut recording = Recording::new(file.as_slice());
+    let run = OrderedRun { robot: &robot, stages: Stages::All, learning: None, imu_baud: 115_200 };
+    let outcome = play_ordered(run, &mut recording, &mut Nobody).expect("played");
+    let order = outcome.order.expect("an order");
+    assert_eq!((order.decisions, order.polls), (2, 1));
+    assert!(order.first_difference.is_none(), "{:?}", order.first_difference);
+}
