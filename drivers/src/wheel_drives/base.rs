@@ -97,7 +97,12 @@ impl WheelDrives {
         match id & 0x780 {
             0x080 => self.on_emergency(node, payload, event),
             0x180 | 0x280 | 0x380 | 0x480 => {
-                self.on_process_data(usize::from((id >> 8) & 7).saturating_sub(1), (node, payload), now, event);
+                self.on_process_data(
+                    usize::from((id >> 8) & 7).saturating_sub(1),
+                    (node, payload),
+                    now,
+                    event,
+                );
             }
             0x580 => {
                 if self.device(node).is_some_and(|device| device.on_answer(payload, now)) {
@@ -307,7 +312,11 @@ impl WheelDrives {
             let counts = self.counts.iter().take(wheels).skip(first).step_by(2);
             counts.fold(0_i32, |sum, count| sum.wrapping_add(count.total))
         };
-        event(BaseEvent::Wheels(WheelSample { stamp: self.latched, left_ticks: side(0), right_ticks: side(1) }));
+        event(BaseEvent::Wheels(WheelSample {
+            stamp: self.latched,
+            left_ticks: side(0),
+            right_ticks: side(1),
+        }));
     }
 
     /// Count so far, flags, number of the message; longer messages may say more than is known here.

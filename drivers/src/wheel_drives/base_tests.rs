@@ -180,8 +180,10 @@ fn feedback_is_that_of_an_equivalent_wheel() {
     bench.report_all(0x0237, [200, 600, 0, 0]);
     let feedback = bench.feedback.unwrap();
     // Track 0.5 m: 0.4 m/s and 0.8 rad/s; lever 0.25 m.
-    let (forward, across) =
-        (feedback.wheel_speed_mps * feedback.steering_rad.cos(), feedback.wheel_speed_mps * feedback.steering_rad.sin());
+    let (forward, across) = (
+        feedback.wheel_speed_mps * feedback.steering_rad.cos(),
+        feedback.wheel_speed_mps * feedback.steering_rad.sin(),
+    );
     assert!((forward - 0.4).abs() < 1e-6 && (across / 0.25 - 0.8).abs() < 1e-5, "{feedback:?}");
 }
 

@@ -47,10 +47,8 @@ impl SideTargets {
 
     /// Moves towards other speeds, both by the same share, so that the faster change takes a step of at most `step_mps`.
     fn toward(self, wanted: Self, step_mps: f32) -> Self {
-        let change = Self {
-            left_mps: wanted.left_mps - self.left_mps,
-            right_mps: wanted.right_mps - self.right_mps,
-        };
+        let change =
+            Self { left_mps: wanted.left_mps - self.left_mps, right_mps: wanted.right_mps - self.right_mps };
         let share = (step_mps / change.fastest_mps().max(1.0e-6)).min(1.0);
         if share >= 1.0 {
             return wanted;
@@ -142,7 +140,8 @@ impl WheelGroup {
 
     /// Mean of the wheels of each side.
     fn measured(&self) -> SideTargets {
-        let [front_left, front_right, rear_left, rear_right] = [0, 1, 2, 3].map(|wheel| self.wheel_mps(wheel));
+        let [front_left, front_right, rear_left, rear_right] =
+            [0, 1, 2, 3].map(|wheel| self.wheel_mps(wheel));
         match self.wheels {
             WHEELS_MAX => SideTargets {
                 left_mps: 0.5 * (front_left + rear_left),
@@ -241,7 +240,8 @@ impl WheelGroup {
             WheelCommand::Stop(StopKind::Ramp) => {
                 let stands = self.fastest_mps().is_none_or(|mps| mps < STANDS_MPS);
                 let is_ramp_over = self.targets == SideTargets::default();
-                let operates = self.reports().all(|report| report.state == Some(PowerState::OperationEnabled));
+                let operates =
+                    self.reports().all(|report| report.state == Some(PowerState::OperationEnabled));
                 if operates && !(is_ramp_over && stands) { DriveGoal::Operate } else { DriveGoal::QuickStop }
             }
         }

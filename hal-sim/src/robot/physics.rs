@@ -97,9 +97,10 @@ impl RobotBody {
                 Twist2 { linear_mps: self.front_mps * cos, angular_radps: self.front_mps * sin / wheelbase_m }
             }
             // Both axles turn about the same point, on the line of the rear one.
-            Train::RearAxle => {
-                Twist2 { linear_mps: self.front_mps, angular_radps: self.front_mps * sin / (cos * wheelbase_m) }
-            }
+            Train::RearAxle => Twist2 {
+                linear_mps: self.front_mps,
+                angular_radps: self.front_mps * sin / (cos * wheelbase_m),
+            },
             Train::TwoWheels | Train::FourMecanum => {
                 let PlanarVelocity { ahead_mps, turn_radps, .. } = body(&self.parameters, self.rims_mps);
                 Twist2 { linear_mps: ahead_mps, angular_radps: turn_radps }
@@ -165,7 +166,10 @@ impl RobotBody {
     #[must_use]
     pub fn rims_for(&self, twist: Twist2) -> [f32; 4] {
         let Twist2 { linear_mps, angular_radps } = twist;
-        rims(&self.parameters, PlanarVelocity { ahead_mps: linear_mps, left_mps: 0.0, turn_radps: angular_radps })
+        rims(
+            &self.parameters,
+            PlanarVelocity { ahead_mps: linear_mps, left_mps: 0.0, turn_radps: angular_radps },
+        )
     }
 
     fn measured_mps(&self) -> [f32; 4] {

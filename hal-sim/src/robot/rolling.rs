@@ -30,9 +30,9 @@ fn contacts(parameters: &RobotParameters) -> Vec<Contact> {
     let half_m = parameters.track_m / 2.0;
     let straight = [1.0, 0.0];
     match parameters.train {
-        Train::FrontWheel | Train::RearAxle | Train::TwoWheels => [half_m, -half_m]
-            .map(|y_m| Contact { at_m: [0.0, y_m], along: straight })
-            .to_vec(),
+        Train::FrontWheel | Train::RearAxle | Train::TwoWheels => {
+            [half_m, -half_m].map(|y_m| Contact { at_m: [0.0, y_m], along: straight }).to_vec()
+        }
         Train::FourMecanum => {
             let x_m = parameters.wheelbase_m / 2.0;
             // Rollers at 45° whose axes point towards the middle, seen from above: the rim's speed is forward minus or plus sideways.
@@ -91,9 +91,15 @@ mod tests {
     fn mecanum_wheels_move_as_published() {
         let base = parameters(Train::FourMecanum);
         let ahead = body(&base, [0.5; 4]);
-        assert!((ahead.ahead_mps - 0.5).abs() < 1e-6 && ahead.left_mps.abs() < 1e-6 && ahead.turn_radps.abs() < 1e-6);
+        assert!(
+            (ahead.ahead_mps - 0.5).abs() < 1e-6
+                && ahead.left_mps.abs() < 1e-6
+                && ahead.turn_radps.abs() < 1e-6
+        );
         let left = body(&base, [-0.3, 0.3, 0.3, -0.3]);
-        assert!((left.left_mps - 0.3).abs() < 1e-6 && left.ahead_mps.abs() < 1e-6 && left.turn_radps.abs() < 1e-6);
+        assert!(
+            (left.left_mps - 0.3).abs() < 1e-6 && left.ahead_mps.abs() < 1e-6 && left.turn_radps.abs() < 1e-6
+        );
         let turn = body(&base, [-0.45, 0.45, -0.45, 0.45]);
         assert!((turn.turn_radps - 1.0).abs() < 1e-5 && turn.left_mps.abs() < 1e-6, "{turn:?}");
     }
@@ -104,9 +110,15 @@ mod tests {
             let base = parameters(train);
             let moved = PlanarVelocity { ahead_mps: 0.6, left_mps: 0.0, turn_radps: -0.7 };
             let back = body(&base, rims(&base, moved));
-            assert!((back.ahead_mps - 0.6).abs() < 1e-5 && (back.turn_radps + 0.7).abs() < 1e-5, "{train:?} {back:?}");
+            assert!(
+                (back.ahead_mps - 0.6).abs() < 1e-5 && (back.turn_radps + 0.7).abs() < 1e-5,
+                "{train:?} {back:?}"
+            );
         }
-        let [left, right, ..] = rims(&parameters(Train::TwoWheels), PlanarVelocity { turn_radps: 1.0, ..PlanarVelocity::default() });
+        let [left, right, ..] = rims(
+            &parameters(Train::TwoWheels),
+            PlanarVelocity { turn_radps: 1.0, ..PlanarVelocity::default() },
+        );
         assert!((left + 0.2).abs() < 1e-6 && (right - 0.2).abs() < 1e-6);
     }
 }

@@ -85,7 +85,9 @@ fn rear_scanner(robot: &RobotConfiguration) -> &'static str {
 fn train(robot: &RobotConfiguration) -> &'static str {
     match robot.train {
         DriveTrain::Tricycle => "DriveTrain::Tricycle",
-        _ => "compile_error!(\"[base]: a microcontroller drives a tricycle; every other base needs a Linux computer\")",
+        _ => {
+            "compile_error!(\"[base]: a microcontroller drives a tricycle; every other base needs a Linux computer\")"
+        }
     }
 }
 

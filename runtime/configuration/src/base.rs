@@ -255,8 +255,7 @@ mod tests {
         }
     }
 
-    const NODES: &str =
-        "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
+    const NODES: &str = "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
 
     /// The example robot on other wheels, its drives on the bus.
     fn on_wheels(base: &str, nodes: &str) -> String {

@@ -12,7 +12,7 @@ use toml::de::DeTable;
 
 use super::actuated_lidar::ActuatedLidarConfiguration;
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::base::BaseSection;
+use super::base::{BaseSection, Drives};
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
 use super::command::{CommandConfiguration, read_command};
 use super::coverage::{

@@ -46,7 +46,8 @@ impl BusReport {
     /// Of a base with a drive on each wheel.
     #[must_use]
     pub fn of_wheels(base: &WheelDrives) -> Self {
-        let names: &[&str] = if base.devices().count() > NAMES_OF_TWO.len() { &NAMES_OF_FOUR } else { &NAMES_OF_TWO };
+        let names: &[&str] =
+            if base.devices().count() > NAMES_OF_TWO.len() { &NAMES_OF_FOUR } else { &NAMES_OF_TWO };
         Self::named(names, base.devices())
     }
 

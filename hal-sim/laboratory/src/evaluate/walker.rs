@@ -152,8 +152,7 @@ fn read_scans(path: &Path) -> anyhow::Result<Vec<TimedScan>> {
         let at_ns = cells.next().and_then(|cell| cell.trim().parse().ok());
         let at_ns = at_ns.ok_or_else(|| bad(index + 1, "the first cell is no time in nanoseconds"))?;
         let measured_s = cells.next().and_then(|cell| cell.trim().parse::<f64>().ok());
-        let measured_s =
-            measured_s.ok_or_else(|| bad(index + 1, "the second cell is no time in seconds"))?;
+        let measured_s = measured_s.ok_or_else(|| bad(index + 1, "the second cell is no time in seconds"))?;
         let after_s = measured_s - *first_s.get_or_insert(measured_s);
         let stamp = Stamp::from_micros(START_US + (after_s.max(0.0) * 1.0e6) as u64);
         let mut scan = Scan { first_angle_rad, step_rad, stamp, ..Scan::default() };

@@ -89,7 +89,8 @@ fn with_body(parameters: RobotParameters, outline: &[Point2]) -> RobotParameters
     let hull = convex_hull(outline);
     let extent = |value: fn(&[f32; 2]) -> f32| {
         let values = hull.iter().map(value);
-        values.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+        values
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
     };
     let ([rear_m, front_m], [right_m, left_m]) = (extent(|[x, _]| *x), extent(|[_, y]| *y));
     let top_m = (parameters.lidar.z_m - MAST_M).max(parameters.scanner.z_m + 0.1);

@@ -64,5 +64,6 @@ fn key(arguments: &MapArguments) -> u64 {
         let changed = facts.as_ref().and_then(|facts| facts.modified().ok());
         text += &format!(" {} {:?} {changed:?}", file.display(), facts.map(|facts| facts.len()));
     }
-    text.bytes().fold(0xCBF2_9CE4_8422_2325, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))
+    text.bytes()
+        .fold(0xCBF2_9CE4_8422_2325, |sum, byte| (sum ^ u64::from(byte)).wrapping_mul(0x100_0000_01B3))
 }

@@ -8,8 +8,8 @@ use floorguard_mapping_host::Se2;
 use floorguard_mapping_host::localise::{
     Belief, KnownMap, LocaliseConfig, LocaliserStatistics, Located, MapChoice, MapUpdater, UpdateConfig,
 };
-use floorguard_mapping_host::output::{MARKER, OutputFile, check_place, map_server_files, replace_folder};
 use floorguard_mapping_host::metrics::write_tum;
+use floorguard_mapping_host::output::{MARKER, OutputFile, check_place, map_server_files, replace_folder};
 use serde_json::json;
 
 use super::arguments::LocaliseArguments;
@@ -46,7 +46,12 @@ impl Update {
         files.push(OutputFile::new(EVIDENCE, self.updater.evidence()));
         replace_folder(&self.out, &files).map_err(|error| BadInput(error.to_string()))?;
         let (cells, visits) = (self.updater.changed as u64, u64::from(self.updater.finished));
-        say!("map: {} ({} changed after {})", self.out.display(), counted(cells, "cell"), counted(visits, "visit"));
+        say!(
+            "map: {} ({} changed after {})",
+            self.out.display(),
+            counted(cells, "cell"),
+            counted(visits, "visit")
+        );
         Ok(())
     }
 }
@@ -86,7 +91,8 @@ struct Course {
 /// Bad input, or a place that is not known at the end.
 pub fn run(arguments: &LocaliseArguments) -> anyhow::Result<()> {
     let config = LocaliseConfig::default();
-    let paths: Vec<&Path> = [&arguments.map].into_iter().chain(&arguments.others).map(AsRef::as_ref).collect();
+    let paths: Vec<&Path> =
+        [&arguments.map].into_iter().chain(&arguments.others).map(AsRef::as_ref).collect();
     let maps = paths.iter().map(|path| known_map(path, &config)).collect::<Result<Vec<_>, _>>()?;
     let mut update = arguments.update.as_deref().map(|out| Update::open(arguments, out)).transpose()?;
     let drive = Drive::open(&arguments.files, arguments.drive.options())?;
@@ -98,7 +104,9 @@ pub fn run(arguments: &LocaliseArguments) -> anyhow::Result<()> {
     let read = drive.read(&|| progress.count(), &mut |record| {
         let chosen = choice.push(&record);
         let located = chosen.located;
-        if let (Some(update), Some(pose)) = (&mut update, located.pose.filter(|_| located.belief == Belief::Found)) {
+        if let (Some(update), Some(pose)) =
+            (&mut update, located.pose.filter(|_| located.belief == Belief::Found))
+        {
             let front_end = &config.front_end;
             let points = record.points(front_end.range_least_m, front_end.range_most_m);
             update.updater.enter(record.time_s, pose, &points);

@@ -60,7 +60,11 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
     conclude((arguments.json, &out), &summary, read.ended)
 }
 
-fn mapped(drive: &Drive, mut mapper: Mapper, checkpoint: &Checkpoint) -> anyhow::Result<(Mapper, ReadSummary)> {
+fn mapped(
+    drive: &Drive,
+    mut mapper: Mapper,
+    checkpoint: &Checkpoint,
+) -> anyhow::Result<(Mapper, ReadSummary)> {
     let progress = Progress::new(drive.scans);
     let unsolvable = |error: &dyn std::fmt::Display| BadInput(format!("the graph cannot be solved: {error}"));
     let mut scans = 0_u64;

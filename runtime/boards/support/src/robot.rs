@@ -3,8 +3,8 @@
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_guard::{Action, Thresholds, UnseenLimits};
 use floorguard_runtime::configuration::{
-    BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, DriveTrain, FieldPair, Geometry, ImuConfiguration,
-    LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,
+    BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, DriveTrain, FieldPair, Geometry,
+    ImuConfiguration, LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,
     ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{Route, RouteLimits};

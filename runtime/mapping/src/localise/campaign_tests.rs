@@ -58,7 +58,12 @@ pub(crate) struct World {
 impl World {
     pub(crate) fn new(width_m: f64, height_m: f64) -> Self {
         let (columns, rows) = ((width_m / CELL_M) as usize, (height_m / CELL_M) as usize);
-        Self { columns, rows, solid: vec![false; columns * rows], near: vec![false; (columns / 8 + 3) * (rows / 8 + 3)] }
+        Self {
+            columns,
+            rows,
+            solid: vec![false; columns * rows],
+            near: vec![false; (columns / 8 + 3) * (rows / 8 + 3)],
+        }
     }
 
     pub(crate) fn draw(&mut self, [low, high]: Cuboid) {

@@ -1,8 +1,8 @@
 //! Several floors and buildings: which of their maps the robot is in.
 
+use super::LocaliseConfig;
 use super::known_map::KnownMap;
 use super::localiser::{Belief, Localiser, Located};
-use super::LocaliseConfig;
 use crate::input::ScanRecord;
 
 /// A place counts once no other map fitted nearly as well for so long, seconds.
@@ -57,7 +57,8 @@ impl MapChoice {
             self.leading = None;
             return Chosen { map: None, located: unknown(&answers) };
         };
-        let since_s = self.leading.filter(|leading| leading.0 == map).map_or(record.time_s, |leading| leading.1);
+        let since_s =
+            self.leading.filter(|leading| leading.0 == map).map_or(record.time_s, |leading| leading.1);
         self.leading = Some((map, since_s));
         let is_single = self.localisers.len() == 1;
         if is_single || record.time_s - since_s >= HELD_S {

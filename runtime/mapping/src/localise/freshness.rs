@@ -40,7 +40,8 @@ impl Freshness {
         }
         self.last_s = Some(record.time_s);
         if let Some((time_s, odometry, ranges_m)) = &self.seen {
-            let is_same = ranges_m.iter().map(|m| m.to_bits()).eq(record.ranges_m.iter().map(|m| m.to_bits()));
+            let is_same =
+                ranges_m.iter().map(|m| m.to_bits()).eq(record.ranges_m.iter().map(|m| m.to_bits()));
             if is_same && is_suspicious(record.time_s - time_s, *odometry, record.odometry) {
                 return ScanAge::Frozen;
             }

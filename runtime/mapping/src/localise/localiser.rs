@@ -311,7 +311,8 @@ impl Localiser {
         let since_m = agreeing.map_or(self.path_m, |before| before.since_m);
         self.hypothesis = Some(Hypothesis { since_m, tracking_in_map });
         if self.path_m - since_m >= self.config.confirm_path_m {
-            self.followed = Some(Followed::new(tracking_in_map, nodes.last().map(|node| node.pose).unwrap_or_default()));
+            self.followed =
+                Some(Followed::new(tracking_in_map, nodes.last().map(|node| node.pose).unwrap_or_default()));
             self.hypothesis = None;
             self.searcher = Searcher::default();
             self.statistics.found += 1;

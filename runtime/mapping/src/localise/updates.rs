@@ -71,7 +71,8 @@ impl MapUpdater {
             self.finish_visit();
         }
         self.last_s = Some(time_s);
-        let cell = |place: [f64; 2]| self.map.cell_of(place).map(|value| value.clamp(-100_000, 100_000) as i32);
+        let cell =
+            |place: [f64; 2]| self.map.cell_of(place).map(|value| value.clamp(-100_000, 100_000) as i32);
         let from = cell([pose.x_m, pose.y_m]);
         for point in points {
             let range_m = f64::from(point.norm());
@@ -188,7 +189,11 @@ mod tests {
             };
             let points: Vec<Point2> = (-180..180).map(point).collect();
             for scan in 0..6 {
-                updater.enter(86_400.0 * f64::from(day) + index as f64 + 0.1 * f64::from(scan), pose, &points);
+                updater.enter(
+                    86_400.0 * f64::from(day) + index as f64 + 0.1 * f64::from(scan),
+                    pose,
+                    &points,
+                );
             }
         }
     }

@@ -131,7 +131,8 @@ fn interrupted_mapping_ends_with_the_same_bits() {
     let finished = |mut mapper: Mapper, from: usize| {
         records[from..].iter().for_each(|record| mapper.push(record).unwrap());
         mapper.finish().unwrap();
-        let bits = |(time_s, pose): &(f64, Se2)| [*time_s, pose.x_m, pose.y_m, pose.heading_rad].map(f64::to_bits);
+        let bits =
+            |(time_s, pose): &(f64, Se2)| [*time_s, pose.x_m, pose.y_m, pose.heading_rad].map(f64::to_bits);
         (mapper.loops.len(), mapper.matched_trajectory().iter().map(bits).collect::<Vec<_>>())
     };
     let whole = finished(Mapper::new(MapConfig::default()), 0);

@@ -94,8 +94,9 @@ mod tests {
     fn scanner_decides_who_finds_legs() {
         let parsed = floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE);
         let mut robot = parsed.expect("the example").robot;
-        let is_any =
-            |robot: &RobotConfiguration, stages| matches!(HostedLegs::of_robot(robot, stages), HostedLegs::Any(_));
+        let is_any = |robot: &RobotConfiguration, stages| {
+            matches!(HostedLegs::of_robot(robot, stages), HostedLegs::Any(_))
+        };
         assert!(!is_any(&robot, Stages::All));
         robot.scanner.model = ScannerModel::MicroScan3 { beams: 2_751 };
         assert!(is_any(&robot, Stages::All) && !is_any(&robot, Stages::AsOnBoard));

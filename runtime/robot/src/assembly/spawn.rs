@@ -18,8 +18,8 @@ use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, Mission, NoMotion, PerceptionState, can_bus, drive_mission,
-    drive_route, imu_input, lidar_input, observed_advice_input, observed_operator_input,
-    perceive, rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
+    drive_route, imu_input, lidar_input, observed_advice_input, observed_operator_input, perceive,
+    rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
 };
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{Scan, Sweep};

@@ -64,7 +64,9 @@ fn drive_geometry(robot: &RobotConfiguration) -> DriveGeometry {
             DriveGeometry::Tricycle { wheelbase_m, steering_max_rad: std::f32::consts::FRAC_PI_2 }
         }
         // What binds its speed to its turning rate is the same: v·tan(α)/L.
-        DriveTrain::Ackermann { steering_max_rad } => DriveGeometry::Tricycle { wheelbase_m, steering_max_rad },
+        DriveTrain::Ackermann { steering_max_rad } => {
+            DriveGeometry::Tricycle { wheelbase_m, steering_max_rad }
+        }
         DriveTrain::Differential | DriveTrain::Omnidirectional { .. } => DriveGeometry::Differential,
     }
 }

@@ -38,7 +38,13 @@ impl NavigationSetup {
     #[must_use]
     pub fn new(plan: NavigationPlan) -> Self {
         let survey = plan.explores.then(|| Arc::new(Mutex::new(Survey::new(plan.start_pose()))));
-        Self { plan, watch: SharedNavigationWatch::default(), survey, space: SpaceInbox::default(), orders: None }
+        Self {
+            plan,
+            watch: SharedNavigationWatch::default(),
+            survey,
+            space: SpaceInbox::default(),
+            orders: None,
+        }
     }
 
     /// The same, with goals that somebody outside orders.
