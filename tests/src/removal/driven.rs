@@ -18,8 +18,8 @@ const STEP_S: f32 = 0.25;
 const LEG_US: u64 = 90_000_000;
 /// The robot turns where this much is free around it, metres.
 const CLEAR_M: f32 = 1.25;
-/// Where the robot starts, and the end of its survey, in the hall.
-const SURVEY: [Pose2; 2] = [Pose2::new(2.0, 0.0, 0.0), Pose2::new(9.5, 0.0, 0.0)];
+/// Where the robot starts, and the end of its survey, on the middle line of the hall, metres.
+const SURVEY_X_M: [f32; 2] = [2.0, 9.5];
 /// Who stands through the survey.
 const PERSON: [f32; 2] = [5.5, 2.6];
 
@@ -45,8 +45,9 @@ pub struct Driven {
 pub fn driven_revisit(seed: u64) -> anyhow::Result<Driven> {
     let hall = Building::hall();
     let mut driven = Driven::default();
-    let mut survey = Drive::begin(lidar_of(SURVEY[0]), 0.0);
-    let mut base = leg(&hall, true, (SURVEY[0], SURVEY[1]), &mut survey, &mut driven)?;
+    let [start, end] = SURVEY_X_M.map(|x_m| Pose2::new(x_m, 0.0, 0.0));
+    let mut survey = Drive::begin(lidar_of(start), 0.0);
+    let mut base = leg(&hall, true, (start, end), &mut survey, &mut driven)?;
     // The survey is no tour.
     (driven.legs, driven.reached) = (0, 0);
     let leaves_s = survey.end_s() + 1.0;

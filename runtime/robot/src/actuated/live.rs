@@ -273,7 +273,7 @@ pub(super) fn view(passed: &PassedPerson, robot_in_odometry: Pose2) -> PeopleVie
         distance_m: robot.distance(position),
         sigma_m: passed.sigma_m,
         likeness: LIKENESS,
-        points: passed.returns.into(),
+        points: passed.returns,
         moving: None,
         surroundings: Surroundings::OPEN,
         appearance: Appearance::UNKNOWN,
