@@ -28,7 +28,11 @@ fn run(slice: &Slice, emulator: &Emulator) {
         match emulator.digest(&taped.tape) {
             Ok(digest) if digest == taped.row.digest => {}
             other => {
-                differences.push(format!("host {}, board {other:?}\n  {}", taped.row.digest, taped.row.command()));
+                differences.push(format!(
+                    "host {}, board {other:?}\n  {}",
+                    taped.row.digest,
+                    taped.row.command()
+                ));
             }
         }
         rows.push(taped.row);

@@ -122,11 +122,7 @@ impl LocalMemory {
     }
 
     /// Cells through which one firing looks: from near, and the next time from afar, because their number is limited.
-    fn look_along(
-        &mut self,
-        (firing, rays): (&Firing, &LidarRays),
-        reaches_m: &[f32; PACKET_RINGS_MAX],
-    ) {
+    fn look_along(&mut self, (firing, rays): (&Firing, &LidarRays), reaches_m: &[f32; PACKET_RINGS_MAX]) {
         let farthest_m = reaches_m.iter().copied().fold(0.0, f32::max) - BEHIND_M;
         let looked = saturating_i32((farthest_m - NEAREST_M) * (1.0 / CELL_M)).saturating_add(1).min(STEPS);
         // In parts of a cell, counted from the corner of the window: a step is as long as a cell.
@@ -181,7 +177,11 @@ fn parts(cells: f32) -> i32 {
 }
 
 /// How steeply it rises from a return to the one of the ring above; none if that ends before it.
-fn slope_above(firing: &Firing, pair: &Pair<'_>, (ring, plane_m, height_m): (usize, f32, f32)) -> Option<f32> {
+fn slope_above(
+    firing: &Firing,
+    pair: &Pair<'_>,
+    (ring, plane_m, height_m): (usize, f32, f32),
+) -> Option<f32> {
     let above = ring.saturating_add(1);
     let (raw, ray) = (pair.column.range_raw.get(above)?, firing.rays.get(above)?);
     if *raw == 0 {

@@ -14,8 +14,8 @@ mod single_faults;
 mod summary;
 
 pub use contacts::{
-    ContactRow, ContactSummary, FamilyCounts, TapedContactTrial, contact_plan, contact_trial, contact_trial_with,
-    taped_contact_trial,
+    ContactRow, ContactSummary, FamilyCounts, TapedContactTrial, contact_plan, contact_trial,
+    contact_trial_with, taped_contact_trial,
 };
 pub use encounters::encounter;
 pub use fault_class::random_fault;
