@@ -1,7 +1,7 @@
 //! Which cells of the memory are obstacles, and what those may hide that the lidar met where the memory began.
 //!
 //! At power-up, and after a reset that means the way, the lowest ring passes over all that is nearer and lower than it. Of an object
-//! that stands there it meets the far side at most. Nobody has looked at the near side until the robot has come away from there
+//! that stands there it meets the far side at most, and no sensor has met the near side until the robot has come away from there
 //! (FG-REQ-068; book, Fields of the swept body: Memory).
 
 use super::lidar_rays::LidarRays;
