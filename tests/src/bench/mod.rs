@@ -8,6 +8,7 @@ mod lidar;
 mod navigation;
 mod navigation_local;
 mod peers;
+mod slam;
 pub mod tours;
 mod tracking;
 

@@ -86,6 +86,12 @@ pub fn ours(folder: &Path, task: Option<&str>) -> anyhow::Result<Vec<OurTime>> {
             "aim 1.0 ms".to_owned(),
         ));
     }
+    if wanted("graph") {
+        times.extend(super::slam::graphs(folder)?);
+    }
+    if wanted("odometry") {
+        times.extend(super::slam::odometry(folder)?);
+    }
     if wanted("tour") {
         times.extend(super::tours::tours(folder)?.into_iter().map(OurTime::from));
     }
@@ -304,7 +310,7 @@ fn sweep_returns(sweep: &Sweep) -> usize {
 }
 
 /// Column, ring and place above the floor of every return, by the sensor's own geometry.
-fn for_each_return(sweep: &Sweep, height_m: f32, mut act: impl FnMut(usize, usize, [f32; 3])) {
+pub(super) fn for_each_return(sweep: &Sweep, height_m: f32, mut act: impl FnMut(usize, usize, [f32; 3])) {
     for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
         let azimuth = (f32::from(column.azimuth_cdeg) * 0.01).to_radians();
         for (ring, raw) in column.range_raw.iter().enumerate().filter(|(_, raw)| **raw != 0) {
@@ -323,7 +329,7 @@ const fn laser_of_ring(ring: usize) -> usize {
     if ring < 8 { 2 * ring } else { 2 * (ring - 8) + 1 }
 }
 
-fn write_points(path: &Path, points: &[[f32; 3]]) -> anyhow::Result<()> {
+pub(super) fn write_points(path: &Path, points: &[[f32; 3]]) -> anyhow::Result<()> {
     let bytes: Vec<u8> = points.iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
     Ok(std::fs::write(path, bytes)?)
 }

@@ -5,5 +5,6 @@ mod logs;
 mod space;
 mod table;
 
+pub use logs::text;
 pub use space::slam_in_space;
 pub use table::slam;

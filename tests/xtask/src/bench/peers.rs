@@ -13,9 +13,9 @@ use super::table::markdown;
 use crate::shell;
 
 /// In the order of the table.
-const TASKS: [&str; 11] = [
+const TASKS: [&str; 13] = [
     "detector", "clusters", "ground", "plane", "floor", "dirt", "svm", "tracker", "joint", "filter",
-    "pipeline",
+    "pipeline", "graph", "odometry",
 ];
 
 /// Ours and theirs in turn, task by task: whatever else the machine does, it does to both. With tasks, only those, and nothing
