@@ -30,7 +30,10 @@ const AUDITED: &str = "AUDITED";
 const STEPS: &[Step] = &[
     ("format", "fmt --all --check"),
     ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
-    ("robot-program", "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet -- --deny warnings"),
+    (
+        "robot-program",
+        "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet -- --deny warnings",
+    ),
     ("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET"),
     ("tests", "test --workspace --no-fail-fast"),
     ("firmware", "xtask firmware"),
