@@ -108,7 +108,7 @@ impl FleetLink {
             sent: 0,
             is_connected: false,
             connections: 0,
-            has_said: false,
+            has_reported: false,
             early: Vec::new(),
             knows_place: false,
             to_vehicle,
@@ -235,8 +235,8 @@ struct Speaker {
     sent: usize,
     is_connected: bool,
     connections: u32,
-    has_said: bool,
-    /// What came before the vehicle said where it is: orders are judged by that.
+    has_reported: bool,
+    /// What came before the place of the vehicle was known: orders are judged by that.
     early: Vec<(Topic, Vec<u8>)>,
     knows_place: bool,
     to_vehicle: SyncSender<VehicleCommand>,
@@ -342,7 +342,7 @@ impl Speaker {
         for message in outcome.messages {
             if message.is_kept {
                 let waiting = Waiting { topic: message.topic, payload: message.payload };
-                // On its way is the oldest: what is dropped for room may be.
+                // The oldest, which is dropped where the queue is full, may be on its way.
                 let pushed = self.queue.push(waiting);
                 if matches!(pushed, Ok(true)) {
                     self.sent = self.sent.saturating_sub(1);
@@ -372,8 +372,8 @@ impl Speaker {
     }
 
     fn report(&mut self, error: Option<std::io::Error>) {
-        if let Some(error) = error.filter(|_| !self.has_said) {
-            self.has_said = true;
+        if let Some(error) = error.filter(|_| !self.has_reported) {
+            self.has_reported = true;
             say!("  fleet: what waits is not kept on the disk ({error})");
         }
     }

@@ -52,7 +52,6 @@ fn actions() -> Vec<Value> {
     let wait = json!({
         "actionType": WAIT_ACTION, "actionDescription": "stands for some seconds", "actionScopes": ["NODE"],
         "actionParameters": [{"key": "duration", "valueDataType": "NUMBER", "description": "seconds"}],
-        "blockingTypes": ["NONE", "SOFT", "HARD"],
     });
     instant.chain(std::iter::once(wait)).collect()
 }

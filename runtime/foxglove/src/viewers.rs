@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use floorguard_recording::{LiveMessage, topics};
+use floorguard_recording::{LiveMessage, topics, truth};
 use floorguard_types::time::Stamp;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 
@@ -19,7 +19,7 @@ const SUBSCRIPTIONS_MAX: usize = 256;
 /// The robot's clock is sent this often, microseconds.
 const TIME_EVERY_US: u64 = 50_000;
 /// Topics that come seldom: who subscribes gets the newest message at once.
-const KEPT: [&str; 9] = [
+const KEPT: [&str; 10] = [
     topics::TF_STATIC,
     topics::MAP,
     topics::CLAIMED,
@@ -29,6 +29,7 @@ const KEPT: [&str; 9] = [
     topics::COSTMAP,
     topics::FIELDS,
     topics::STOPS,
+    truth::TRUE_THINGS,
 ];
 
 /// A frame for a viewer.

@@ -11,7 +11,7 @@ use super::values::panel_address;
 #[derive(Clone, Debug, Default, Args)]
 pub struct LiveOutputs {
     /// Show the run live in Foxglove, with everything that a recording holds: `--foxglove 127.0.0.1:8765`, then open
-    /// `ws://127.0.0.1:8765` there. Who reaches the address may watch. Needs the feature `foxglove`.
+    /// `ws://127.0.0.1:8765` there. Every program that reaches the address may watch. Needs the feature `foxglove`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub foxglove: Option<SocketAddr>,
     /// Pack the recording. A cut then costs a quarter of a second. Needs the feature `compression`.
@@ -59,7 +59,7 @@ fn foxglove(address: SocketAddr, title: &str) -> anyhow::Result<Box<dyn MessageL
     say!("  Foxglove: open ws://{address} there");
     if !address.ip().is_loopback() {
         say!(
-            "  Foxglove: whoever reaches {address} sees the run; nothing is encrypted, there is no password"
+            "  Foxglove: every program that reaches {address} sees the run; nothing is encrypted, there is no password"
         );
     }
     Ok(Box::new(server))

@@ -1,4 +1,4 @@
-//! Programs outside that are shown how the robot is, and order things: a fleet's master.
+//! Programs outside that are shown how the robot is, and give orders: a fleet's master.
 
 use std::sync::Arc;
 

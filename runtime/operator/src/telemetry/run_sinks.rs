@@ -73,7 +73,7 @@ pub struct RunSinks {
     pub recording: Option<FileRecorder>,
     /// How a recording's file is packed.
     pub compression: Compression,
-    /// Programs outside that are shown the robot and order things, such as a fleet's master.
+    /// Programs outside that are shown the robot and give orders, such as a fleet's master.
     pub links: Vec<Box<dyn RunLink>>,
     /// Somebody watches live: a run in virtual time then goes no faster than the clock on the wall.
     is_watched: bool,
