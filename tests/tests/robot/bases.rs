@@ -14,7 +14,7 @@ const PERSON_AHEAD: &str = "title = \"a person stands ahead\"\n[route]\nspeed_mp
     [[person]]\nat_m = [5.0, 0.1]\nsees_robot = false\n";
 
 /// A bend to the left and one to the right in the same hall.
-const BENDS: &str = "title = \"two bends\"\n[route]\nspeed_mps = 0.6\nwaypoints_m = [[3.0, 1.6], [7.0, 0.0]]\n\
+const BENDS: &str = "title = \"two bends\"\n[route]\nspeed_mps = 0.6\nwaypoints_m = [[3.0, 1.6], [5.5, 0.6]]\n\
     [scene]\nwall = [{ from_m = [-4.0, -6.0], to_m = [12.0, -6.0] }, { from_m = [12.0, -6.0], to_m = [12.0, 6.0] }]\n";
 
 /// The bases of the book, Odometry: Bases, each with its part of `[base]`, `[can]` and `[robot]`.
@@ -29,16 +29,16 @@ fn robot(base: &str) -> String {
         "differential" => EXAMPLE
             .replace("wheelbase_m = 0.80\n", "")
             .replace(nodes, "left_drive_node = 1\nright_drive_node = 2\n")
-            .replace("[limits]", &format!("{}[limits]", of(base))),
+            .replace("\n[limits]\n", &format!("\n{}[limits]\n", of(base))),
         "ackermann" => {
-            EXAMPLE.replace("[limits]", &format!("{}steering_max_deg = 40.0\n[limits]", of(base)))
+            EXAMPLE.replace("\n[limits]\n", &format!("\n{}steering_max_deg = 40.0\n[limits]\n", of(base)))
         }
         "omnidirectional" => EXAMPLE
             .replace(
                 nodes,
                 "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n",
             )
-            .replace("[limits]", &format!("{}[limits]", of(base))),
+            .replace("\n[limits]\n", &format!("\n{}[limits]\n", of(base))),
         _ => EXAMPLE.to_owned(),
     }
 }
@@ -54,7 +54,7 @@ fn plan(base: &str, scenario: &str, seconds: u64) -> Plan {
     std::fs::write(&file, robot(base)).unwrap();
     let mut plan = Plan::of(base, load_scenario(&world).unwrap(), 1, seconds * SECOND_US).unwrap();
     plan = plan.with_robot(&file).unwrap_or_else(|error| panic!("{base}: {error:#}"));
-    plan.lidar_grain = 6;
+    plan.lidar_grain = 12;
     plan
 }
 
@@ -68,15 +68,10 @@ fn watch(plan: Plan) -> Observation {
 #[test]
 fn every_base_stops_for_a_person() {
     for base in BASES {
-        let seen = play(base, PERSON_AHEAD, 12);
+        let seen = play(base, PERSON_AHEAD, 10);
         assert!(seen.verdict.passed, "{base}: {}", seen.verdict.why_not());
-        assert_eq!(
-            seen.verdict.bodies.counts.while_moving(),
-            0,
-            "{base}: {:?}",
-            seen.verdict.bodies.contacts
-        );
-        let (went_m, at_end_m) = (seen.path_m(0.0, 10.0), seen.path_m(11.0, 12.0));
+        assert_eq!(seen.verdict.bodies.counts.while_moving(), 0, "{base}: {:?}", seen.verdict.bodies.contacts);
+        let (went_m, at_end_m) = (seen.path_m(0.0, 9.0), seen.path_m(9.0, 10.0));
         assert!((1.5..4.0).contains(&went_m) && at_end_m < 0.02, "{base}: {went_m} m, then {at_end_m} m");
         assert!(!seen.stops.is_empty(), "{base}: no stop");
     }
@@ -85,22 +80,22 @@ fn every_base_stops_for_a_person() {
 #[test]
 fn every_base_knows_its_bends() {
     for base in BASES {
-        let seen = play(base, BENDS, 20);
+        let seen = play(base, BENDS, 14);
         assert!(seen.verdict.passed, "{base}: {}", seen.verdict.why_not());
         let end = seen.robot_path.last().expect("a path");
         let aside_m = seen.robot_path.iter().fold(0.0_f32, |most_m, pose| most_m.max(pose.y_m));
         // It follows its own reckoning to the last place, which counts as met from half a metre; what the wheels reckon wrongly adds
         // to that.
-        let off_m = (end.x_m - 7.0).hypot(end.y_m);
-        assert!(off_m < 0.6 && (1.0..2.2).contains(&aside_m), "{base}: {end:?}, {aside_m} m aside");
+        let off_m = (end.x_m - 5.5).hypot(end.y_m - 0.6);
+        assert!(off_m < 0.8 && (1.0..2.2).contains(&aside_m), "{base}: {end:?}, {aside_m} m aside");
     }
 }
 
 /// A program outside asks a car for a curve of 0.3 m: it gets the tightest that 40° allow, 0.8 m / tan 40°, and drives it.
 #[test]
 fn fg_req_083_tight_curve_becomes_drivable() {
-    let hall = BENDS.replace("[[3.0, 1.6], [7.0, 0.0]]", "[]");
-    let mut plan = plan("ackermann", &hall, 9);
+    let hall = BENDS.replace("[[3.0, 1.6], [5.5, 0.6]]", "[]");
+    let mut plan = plan("ackermann", &hall, 8);
     plan.command = Some(CommandConfiguration::on_port("127.0.0.1:7000".parse().unwrap()));
     let first = SentVelocity {
         sender: 7,
@@ -110,14 +105,14 @@ fn fg_req_083_tight_curve_becomes_drivable() {
         linear_mps: 0.3,
         angular_radps: 1.0,
     };
-    let stretch = Stretch { span_us: (SECOND_US, 9 * SECOND_US), period_us: 50_000, first };
+    let stretch = Stretch { span_us: (SECOND_US, 8 * SECOND_US), period_us: 50_000, first };
     let program = OutsideProgram::new(stretch.frames(1));
     plan.outside = Some(program.clone());
     let seen = watch(plan);
     assert!(seen.verdict.passed, "{}", seen.verdict.why_not());
     let permitted = program.heard().last().expect("permits").permit.permitted;
     let tightest_m = 0.8 / 40.0_f32.to_radians().tan();
-    assert!(permitted[0] > 0.1 && (permitted[0] / permitted[1] - tightest_m).abs() < 0.01, "{permitted:?}");
+    assert!(permitted[0] > 0.05 && (permitted[0] / permitted[1] - tightest_m).abs() < 0.01, "{permitted:?}");
     // The middle of the rear axle goes round a circle of that radius, beside the start.
     let places = seen.robot_path.iter().skip(seen.robot_path.len() / 2);
     let off_m = places.map(|pose| (pose.x_m.hypot(pose.y_m - tightest_m) - tightest_m).abs());
