@@ -3,7 +3,6 @@
 //! The values are those of the ROS navigation costmap (package `costmap_2d`): 0 is free, 253 the robot's inscribed disc
 //! touches an obstacle, 254 an obstacle, 255 unknown.
 
-mod body_band;
 mod compose;
 #[cfg(test)]
 pub(crate) mod floor_tests;
@@ -12,10 +11,10 @@ mod inflation;
 mod obstacle_layer;
 mod people_layer;
 mod rays;
+mod space_layer;
 mod view;
 mod zones;
 
-pub use body_band::{BodyBand, RayInSpace};
 pub use compose::{CostmapLayers, LayerMismatch, compose};
 pub use footprint_cost::{FootprintHit, footprint_cost};
 pub(crate) use footprint_cost::{Placement, line_cost, outline_cost};
@@ -23,5 +22,6 @@ pub use inflation::{INFLATION_CELLS_MAX, Inflation, InflationConfig, InflationEr
 pub use obstacle_layer::{Beam, ObstacleLayer, ObstacleLimits};
 pub use people_layer::{PeopleCost, add_people};
 pub use rays::RayCells;
+pub use space_layer::{SpaceCell, SpaceLayer, SpaceLimits, SpaceRay};
 pub use view::{CostmapView, Costs};
 pub use zones::{Zone, ZoneKind, speed_limit_mps};

@@ -104,7 +104,7 @@ impl<S: AsRef<[Occupancy]> + AsMut<[Occupancy]>> ObstacleLayer<S> {
     }
 
     /// Clears along a ray up to its end or to `reach_m`.
-    pub(super) fn clear(&mut self, from_in_map: Point2, to_in_map: Point2, reach_m: f32) {
+    fn clear(&mut self, from_in_map: Point2, to_in_map: Point2, reach_m: f32) {
         let length_m = from_in_map.distance(to_in_map);
         let share = if length_m > reach_m { reach_m / length_m } else { 1.0 };
         let end = Point2::new(
@@ -120,7 +120,7 @@ impl<S: AsRef<[Occupancy]> + AsMut<[Occupancy]>> ObstacleLayer<S> {
     }
 
     /// Marks the cell of a point.
-    pub(super) fn mark(&mut self, end_in_map: Point2) {
+    fn mark(&mut self, end_in_map: Point2) {
         let cell = self.cells.geometry().cell_at(end_in_map);
         if let Some(value) = cell.and_then(|cell| self.cells.get_mut(cell)) {
             *value = Occupancy::Occupied;

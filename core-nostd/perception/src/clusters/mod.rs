@@ -8,6 +8,7 @@ mod floor_height;
 mod ground;
 mod labels;
 mod projection;
+mod returns;
 pub mod ring_clusters;
 mod upside_down;
 
@@ -19,4 +20,5 @@ pub use ground::FloorMask;
 pub(crate) use labels::NONE;
 pub use projection::RingAngles;
 pub(crate) use projection::{ColumnFrame, RingProfile, SweepFrame};
+pub use returns::{SeenReturn, returns_in_base};
 pub use upside_down::{hangs, turn_over, turned_over_mounting};

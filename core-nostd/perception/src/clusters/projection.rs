@@ -143,6 +143,12 @@ impl ColumnFrame {
         f32::from(raw) * self.metres_per_count
     }
 
+    /// Where the lidar was.
+    pub(crate) const fn sensor(&self) -> Point3 {
+        let [x_m, y_m, z_m] = self.origin;
+        Point3::new(x_m, y_m, z_m)
+    }
+
     /// The point of a return.
     pub(crate) fn point(&self, raw: u16, (sin, cos, height_m): (f32, f32, f32)) -> Point3 {
         let range_m = self.range_m(raw);

@@ -9,8 +9,8 @@ mod pipeline;
 mod splits;
 
 pub use crate::clusters::{
-    Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, hangs, ring_clusters, turn_over,
-    turned_over_mounting,
+    Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, SeenReturn, hangs, returns_in_base,
+    ring_clusters, turn_over, turned_over_mounting,
 };
 pub use crate::shapes::{classify, person_model, shape};
 pub use crate::tracking::{

@@ -179,6 +179,8 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     shared.restore_latches(world.latches, now);
     let mut perception = new_perception(&plan.robot, plan.stages);
+    let space = world.navigation.as_ref().map(|navigation| navigation.space.clone());
+    perception.motion.show_space_to(space);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let (setup, navigation) = (world.mission.clone(), world.navigation.clone());
     let mut mission = begin_mission(&plan.robot, (&setup, &navigation))?;

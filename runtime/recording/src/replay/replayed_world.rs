@@ -27,7 +27,7 @@ use floorguard_robot::assembly::{
 };
 use floorguard_robot::cleaner::{MissionOrder, MissionOrders, MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
+use floorguard_robot::navigator::{NavigationPlan, NavigationSetup, SpaceInbox};
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub const REPEATABLE: &str = "repeatable";
@@ -127,6 +127,7 @@ fn learning_of(
 #[derive(Default)]
 struct Planner {
     mission: Option<Box<dyn Mission>>,
+    space: Option<SpaceInbox>,
     orders: MissionOrders,
 }
 
@@ -139,13 +140,13 @@ fn mission_of(
         let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
         let setup = NavigationSetup::new(NavigationPlan::from_text(text).map_err(wrong)?);
         let mission = Some(Box::new(setup.begin(robot).map_err(wrong)?) as Box<dyn Mission>);
-        return Ok(Planner { mission, ..Planner::default() });
+        return Ok(Planner { mission, space: Some(setup.space), ..Planner::default() });
     }
     let Some(text) = texts.get(MISSION) else { return Ok(Planner::default()) };
     let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its mission: {error:#}"));
     let setup = MissionSetup::new(MissionPlan::from_text(text).map_err(wrong)?, Store::None);
     let mission = Some(Box::new(setup.begin_queue(robot).map_err(wrong)?) as Box<dyn Mission>);
-    Ok(Planner { mission, orders: setup.orders })
+    Ok(Planner { mission, space: None, orders: setup.orders })
 }
 
 fn play<R: Read>(
@@ -156,6 +157,7 @@ fn play<R: Read>(
     let shared = new_shared_for(robot, stages, Stamp::ZERO)
         .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
     let mut perception = new_perception(robot, stages);
+    perception.motion.show_space_to(planner.space.take());
     perception.motion.learn(learning.as_ref());
     let (scanner, scanner_reader) = ScannerPipe::new(robot.scanner.model);
     let (rear_scanner, rear_reader) = byte_pipe();

@@ -19,6 +19,7 @@ use super::links::{Links, Missing};
 use super::tap::{Poll, Tap};
 use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 use crate::learning::LearningSetup;
+use crate::navigator::SpaceInbox;
 use floorguard_host::executor::{
     PollObserver, PriorityLock, Ring, RingObserver, StopFlag, run_until, run_until_observed, take_priority,
 };
@@ -45,8 +46,9 @@ pub fn run_rings<T>(
     beside: impl FnOnce() -> T,
 ) -> anyhow::Result<T> {
     let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
+    let space = links.navigation.as_ref().map(|navigation| navigation.space.clone());
     let mission = mission_of(robot, &mut links)?;
-    let heard = (links.people.clone(), links.learning.take());
+    let heard = (links.people.clone(), space, links.learning.take());
     // Where a program outside drives, the robot itself asks for nothing.
     let drives_route = mission.is_none() && links.command.is_none();
     let command_flag = StopFlag::default();
@@ -152,10 +154,10 @@ fn observer(tap: Tap, names: Vec<GuardTask>, shared: &HostedShared) -> PollObser
 }
 
 fn perception_ring(
-    (robot, drives_route, (inbox, learning)): (
+    (robot, drives_route, (inbox, space, learning)): (
         &RobotConfiguration,
         bool,
-        (PeopleInbox, Option<LearningSetup>),
+        (PeopleInbox, Option<SpaceInbox>, Option<LearningSetup>),
     ),
     shared: &HostedShared,
     flag: &StopFlag,
@@ -163,6 +165,7 @@ fn perception_ring(
     say!("  {}", take_priority(Ring::Perception));
     let mut state = new_perception(robot, Stages::All);
     state.motion.listen_to(inbox);
+    state.motion.show_space_to(space);
     state.motion.learn(learning.as_ref());
     run_until(flag, |tasks| {
         if drives_route {

@@ -21,6 +21,7 @@ use floorguard_runtime::tasks::{
     drive_route, imu_input, lidar_input, observed_advice_input, observed_command_input,
     observed_operator_input, perceive, rear_scanner_input, scanner_datagrams, scanner_input, supervise,
 };
+use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
@@ -28,6 +29,7 @@ use super::guard_task::GuardTask;
 use super::inbox::PeopleInbox;
 use super::tap::Tap;
 use crate::learning::{LearningSetup, PeopleLearner};
+use crate::navigator::{BodyExtent, SpaceInbox, sight_of};
 use floorguard_host::executor::TaskSet;
 
 /// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
@@ -122,19 +124,32 @@ pub type HostedPerception = PerceptionState<HostedMotion>;
 pub struct HostedMotion {
     motion: Option<Box<MotionDetector>>,
     inbox: PeopleInbox,
+    space: Option<SpaceInbox>,
+    body: BodyExtent,
     learner: Option<PeopleLearner>,
 }
 
 impl HostedMotion {
-    fn new(stages: Stages) -> Self {
+    fn new(stages: Stages, outline: &[Point2]) -> Self {
         let runs = stages == Stages::All;
         let motion = runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED)));
-        Self { motion, inbox: PeopleInbox::default(), learner: None }
+        Self {
+            motion,
+            inbox: PeopleInbox::default(),
+            space: None,
+            body: BodyExtent::of(outline),
+            learner: None,
+        }
     }
 
     /// From now on what comes in there goes into the list of people, too.
     pub fn listen_to(&mut self, inbox: PeopleInbox) {
         self.inbox = inbox;
+    }
+
+    /// From now on each sweep goes there, if somewhere.
+    pub fn show_space_to(&mut self, space: Option<SpaceInbox>) {
+        self.space = space;
     }
 
     /// From now on it learns, if there is something to learn with.
@@ -157,6 +172,9 @@ impl JudgeMotion for HostedMotion {
             Some(motion) => motion.people(people, sweep, context).counters,
             None => NoMotion.people(people, sweep, context).counters,
         };
+        if let Some(space) = &self.space {
+            space.put(sight_of(sweep, context, (&people.angles, &self.body)));
+        }
         if let Some(learner) = &mut self.learner {
             learner.observe(people, sweep.end_stamp);
         }
@@ -182,7 +200,7 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
         people,
-        motion: HostedMotion::new(stages),
+        motion: HostedMotion::new(stages, &robot.geometry.footprint),
         legs: PeopleByLegs::new(),
         scan: Scan::EMPTY,
         history: PoseHistory::new(),

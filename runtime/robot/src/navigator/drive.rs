@@ -24,6 +24,7 @@ use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
 use super::reasons::StandingReason;
 use super::senses::Senses;
 use super::setup::NavigationSetup;
+use super::space_inbox::SpaceInbox;
 use super::steering::{Steering, SteeringMoment, is_followed};
 
 /// The global costs are made anew this often, seconds.
@@ -51,6 +52,7 @@ pub struct Navigator {
     pub(super) model: Model,
     pub(super) senses: Senses,
     pub(super) maps: Maps,
+    pub(super) space: SpaceInbox,
     pub(super) search: GoalSearch,
     pub(super) course: Course,
     pub(super) steering: Steering,
@@ -89,7 +91,7 @@ impl Navigator {
     /// # Errors
     /// The map has no floor for this robot, or is too large.
     pub fn new(setup: &NavigationSetup, robot: &RobotConfiguration) -> anyhow::Result<Self> {
-        let NavigationSetup { plan, watch, survey } = setup;
+        let NavigationSetup { plan, watch, survey, space } = setup;
         let map = plan.occupancy()?;
         let model = Model::of(robot, &plan.settings, map.geometry().resolution_m().max(0.05))?;
         let mut maps = Maps::new(&map, &model.inflation, plan)?;
@@ -103,6 +105,7 @@ impl Navigator {
             plan: plan.clone(),
             model,
             maps,
+            space: space.clone(),
             search,
             course: Course::default(),
             steering,
@@ -373,6 +376,10 @@ impl Mission for Navigator {
                 self.maps.redraw(&scans);
             }
             self.maps.see(sensor, &beams);
+        }
+        if let Some(sight) = self.space.take() {
+            let rays = self.senses.rays_in_map(&sight, now_s);
+            self.maps.see_space(&rays);
         }
         self.notice_hold(moment.decision, lasted_s);
         self.lost_s = if self.senses.is_trusted() { 0.0 } else { self.lost_s + lasted_s };

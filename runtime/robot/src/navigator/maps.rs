@@ -3,7 +3,7 @@
 use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides, Occupancy, Parabola};
 use floorguard_navigation::costmap::{
     Beam, CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, ObstacleLayer,
-    ObstacleLimits, PeopleCost, compose,
+    ObstacleLimits, PeopleCost, SpaceCell, SpaceLayer, SpaceLimits, SpaceRay, compose,
 };
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Footprint, MovingPerson};
@@ -21,6 +21,9 @@ const HALF_WINDOW_M: f32 = 4.0;
 const LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 6.0, clear_m: 8.0 };
 /// The same where a map is made: what is far is all that is known.
 const EXPLORED_LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 15.0, clear_m: 15.0 };
+/// What the lidar sees: from above what its rings take for floor on a ramp to above the robot. A mark that the lidar does not see
+/// again is kept for thirty seconds: under the lowest ring a board across the way is in sight of no sensor.
+const SPACE: SpaceLimits = SpaceLimits { low_m: 0.12, high_m: 1.3, mark_m: 6.0, kept_sweeps: 300 };
 /// Free floor around a robot that begins to explore, beyond what it takes to turn on the spot, metres.
 const START_M: f32 = 0.3;
 /// What the robot forgets around itself when it clears the costmap, metres.
@@ -84,6 +87,7 @@ impl Costmap {
 /// Both costmaps, and what was seen.
 pub(super) struct Maps {
     observed: ObstacleLayer<Vec<Occupancy>>,
+    space: SpaceLayer<Vec<SpaceCell>>,
     global: Costmap,
     window: Costmap,
     inflation: Inflation,
@@ -130,8 +134,10 @@ impl Maps {
         );
         let window = window.ok_or_else(|| anyhow::anyhow!("the map makes no raster"))?;
         let observed = ObstacleLayer::new(geometry, vec![Occupancy::Unknown; geometry.cell_count()])?;
+        let space = SpaceLayer::new(geometry, vec![SpaceCell::default(); geometry.cell_count()])?;
         Ok(Self {
             observed,
+            space,
             global,
             window: Costmap::new(window),
             inflation: Inflation::new(inflation, cell_m)?,
@@ -155,10 +161,18 @@ impl Maps {
         }
     }
 
+    /// A sweep of the lidar: it marks, and opens no floor.
+    pub(super) fn see_space(&mut self, rays: &[SpaceRay]) {
+        if !self.is_blind {
+            self.space.observe(&SPACE, rays.iter().copied());
+        }
+    }
+
     /// Forgets all that was seen, and sees these scans instead: the map was corrected.
     pub(super) fn redraw(&mut self, scans: &[(Point2, Vec<Beam>)]) {
         let geometry = self.global.geometry;
         self.observed.forget_within(geometry.origin_in_map(), f32::INFINITY);
+        self.space.forget_within(geometry.origin_in_map(), f32::INFINITY);
         scans.iter().for_each(|(sensor, beams)| self.see(*sensor, beams));
         self.suppose_free_around_start();
     }
@@ -212,6 +226,7 @@ impl Maps {
     /// Forgets what was seen around a place.
     pub(super) fn forget_around(&mut self, place_in_map: Point2) {
         self.observed.forget_within(place_in_map, FORGET_M);
+        self.space.forget_within(place_in_map, FORGET_M);
     }
 
     /// From now on this place is expensive: the robot did not get through there.
@@ -225,6 +240,11 @@ impl Maps {
     /// Makes the global costs anew.
     pub(super) fn refresh(&mut self) {
         self.global.observed.copy_from_slice(self.observed.cells().values());
+        for (cell, state) in self.global.observed.iter_mut().enumerate() {
+            if self.space.is_marked(cell) {
+                *state = Occupancy::Occupied;
+            }
+        }
         self.global.compose(&self.inflation, (&self.stuck, STUCK));
     }
 
@@ -259,7 +279,9 @@ impl Maps {
             };
             let outside = if self.explores { Occupancy::Unknown } else { Occupancy::Occupied };
             self.window.fixed[cell] = of(&self.global.fixed, outside);
-            self.window.observed[cell] = of(observed, Occupancy::Unknown);
+            let is_marked = source.is_some_and(|at| self.space.is_marked(at));
+            self.window.observed[cell] =
+                if is_marked { Occupancy::Occupied } else { of(observed, Occupancy::Unknown) };
         }
         let shape = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };
         self.window.compose(&self.inflation, (people, shape));

@@ -15,6 +15,7 @@ mod reasons;
 mod report;
 mod senses;
 mod setup;
+mod space_inbox;
 mod steering;
 mod survey;
 
@@ -26,4 +27,5 @@ pub use progress::{
 };
 pub use reasons::StandingReason;
 pub use setup::NavigationSetup;
+pub use space_inbox::{BodyExtent, SpaceInbox, SpaceSight, sight_of};
 pub use survey::{SharedSurvey, Survey, SurveyedMap, locked};

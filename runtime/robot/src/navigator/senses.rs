@@ -1,18 +1,19 @@
 //! What the drive learns: where the robot is on the map, what stands around, and who walks.
 
 use floorguard_guard::FUTURE_TOLERANCE_US;
-use floorguard_navigation::costmap::Beam;
-use floorguard_perception::people::TrackStatus;
+use floorguard_navigation::costmap::{Beam, SpaceRay};
+use floorguard_perception::people::{SeenReturn, TrackStatus};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{PeopleReport, PersonReport, StampedPose};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
-use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Point3, Pose2};
 use floorguard_types::motion::MovingPerson;
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::{Age, Stamp};
 
 use super::place::Place;
 use super::plan::NavigationPlan;
+use super::space_inbox::SpaceSight;
 use super::survey::{SharedSurvey, SurveyScan, in_map, locked};
 use crate::site::{RecentPoses, ends_of};
 
@@ -237,6 +238,25 @@ impl Senses {
             known.after(age_s.max(0.0), 0.0)
         };
         self.people.iter().filter(|person| is_person(person)).map(moved).collect()
+    }
+
+    /// The rays of a sweep in the axes of the map. Who walks does not mark.
+    pub(super) fn rays_in_map(&self, sight: &SpaceSight, now_s: f32) -> Vec<SpaceRay> {
+        let base_in_map = self.odometry_in_map().compose(sight.base_in_odometry);
+        let in_map = |place: Point3| {
+            let on_floor = base_in_map.transform(Point2::new(place.x_m, place.y_m));
+            Point3::new(on_floor.x_m, on_floor.y_m, place.z_m)
+        };
+        let ray = |seen: &SeenReturn| {
+            let end = Point2::new(seen.end_in_base.x_m, seen.end_in_base.y_m);
+            let is_walker = self.is_near_walker(sight.base_in_odometry.transform(end), now_s);
+            SpaceRay {
+                from_in_map: in_map(seen.sensor_in_base),
+                to_in_map: in_map(seen.end_in_base),
+                marks: !is_walker,
+            }
+        };
+        sight.returns.iter().map(ray).collect()
     }
 
     /// Where the robot was, by its wheels; now, if nothing is remembered.

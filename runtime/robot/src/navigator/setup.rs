@@ -8,6 +8,7 @@ use floorguard_runtime::configuration::RobotConfiguration;
 use super::drive::Navigator;
 use super::plan::NavigationPlan;
 use super::progress::SharedNavigationWatch;
+use super::space_inbox::SpaceInbox;
 use super::survey::{SharedSurvey, Survey};
 
 /// A drive that is about to begin.
@@ -19,6 +20,8 @@ pub struct NavigationSetup {
     pub watch: SharedNavigationWatch,
     /// The map that it makes, if it explores.
     pub survey: Option<SharedSurvey>,
+    /// Where it gets what the lidar sees above the floor.
+    pub space: SpaceInbox,
 }
 
 impl fmt::Debug for NavigationSetup {
@@ -32,7 +35,7 @@ impl NavigationSetup {
     #[must_use]
     pub fn new(plan: NavigationPlan) -> Self {
         let survey = plan.explores.then(|| Arc::new(Mutex::new(Survey::new(plan.start_pose()))));
-        Self { plan, watch: SharedNavigationWatch::default(), survey }
+        Self { plan, watch: SharedNavigationWatch::default(), survey, space: SpaceInbox::default() }
     }
 
     /// The drive of a robot.
