@@ -26,7 +26,8 @@ fn at(us: u64) -> Stamp {
 #[test]
 fn commands_of_one_poll_are_all_repeated() {
     let robot = parse("robot.toml", EXAMPLE).expect("the example").robot;
-    let commands = [(at(900), Twist2::new(0.2, 0.0)), (at(950), Twist2::new(0.3, 0.1))];
+    let twist = |linear_mps, angular_radps| Twist2 { linear_mps, angular_radps };
+    let commands = [(at(900), twist(0.2, 0.0)), (at(950), twist(0.3, 0.1))];
     let shared: Box<Shared<NoopRawMutex>> = Box::new(Shared::unconfigured(Motion::new(robot.wheels())));
     shared.configure(robot.guard(), at(500)).expect("a robot");
     for (stamp, wanted) in commands {
