@@ -178,8 +178,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
-    let bus = drives.as_ref().and_then(Drives::bus);
-    let panel = optional(&top, "panel", |section| read_panel(section, bus));
+    let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
     if let Some(drives) = &drives {
         let command = command.as_ref().map(|command| &command.address);
         sensors.check(&top, (drives.can(), drives.base(), command));

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::frame::Frame;
 
-/// State, headline as on the panel, how far the mission is, charge, and how many alerts nobody has acknowledged.
+/// State, headline as on the panel, how far the mission is, charge, and how many alerts wait to be acknowledged.
 pub fn brief(frame: &Frame, alerts: usize) -> Value {
     let mission = frame.mission.as_ref().map(|mission| {
         json!({"phase": mission.phase, "cleaned_m2": mission.cleaned_m2, "to_do_m2": mission.remaining_m2})

@@ -18,7 +18,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// More is no brief.
 const BYTES_MAX: usize = 8_192;
 
-/// What a robot said last, and when.
+/// What a robot answered last, and when.
 #[derive(Clone, Debug, Default)]
 struct Heard {
     brief: Option<Map<String, Value>>,
@@ -26,7 +26,7 @@ struct Heard {
     problem: String,
 }
 
-/// The other robots and what they said last.
+/// The other robots and what they answered last.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Others {
     robots: Arc<[OtherRobot]>,
@@ -39,7 +39,7 @@ impl Others {
         Self { robots: Arc::from(robots), heard: Arc::new(Mutex::new(heard)) }
     }
 
-    /// Each robot with its name, the address of its panel, and what it said last.
+    /// Each robot with its name, the address of its panel, and what it answered last.
     pub fn list(&self) -> Value {
         let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
         let line = |(robot, heard): (&OtherRobot, &Heard)| {
@@ -74,7 +74,7 @@ impl Others {
                     }
                     Err(error) => {
                         heard.problem = error.to_string();
-                        // What it said a while ago is not how it is now.
+                        // What it answered a while ago is not how it is now.
                         heard.brief = None;
                     }
                 }

@@ -12,9 +12,9 @@ use super::*;
 use crate::order::OrderLog;
 use crate::{RunInfo, RunRecorder};
 
-struct Nobody;
+struct NoAudience;
 
-impl ReplayAudience for Nobody {
+impl ReplayAudience for NoAudience {
     fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
 }
 
@@ -26,7 +26,8 @@ fn at(us: u64) -> Stamp {
 #[test]
 fn commands_of_one_poll_are_all_repeated() {
     let robot = parse("robot.toml", EXAMPLE).expect("the example").robot;
-    let commands = [(at(900), Twist2::new(0.2, 0.0)), (at(950), Twist2::new(0.3, 0.1))];
+    let twist = |linear_mps, angular_radps| Twist2 { linear_mps, angular_radps };
+    let commands = [(at(900), twist(0.2, 0.0)), (at(950), twist(0.3, 0.1))];
     let shared: Box<Shared<NoopRawMutex>> = Box::new(Shared::unconfigured(Motion::new(robot.wheels())));
     shared.configure(robot.guard(), at(500)).expect("a robot");
     for (stamp, wanted) in commands {
@@ -52,7 +53,7 @@ fn commands_of_one_poll_are_all_repeated() {
     let file = recorder.finish(1_000, None).expect("written").into_inner();
     let mut recording = Recording::new(file.as_slice());
     let run = OrderedRun { robot: &robot, stages: Stages::All, learning: None, imu_baud: 115_200 };
-    let outcome = play_ordered(run, &mut recording, &mut Nobody).expect("played");
+    let outcome = play_ordered(run, &mut recording, &mut NoAudience).expect("played");
     let order = outcome.order.expect("an order");
     assert_eq!((order.decisions, order.polls), (2, 1));
     assert!(order.first_difference.is_none(), "{:?}", order.first_difference);

@@ -46,7 +46,7 @@ impl Alerts {
         any
     }
 
-    /// How many nobody has acknowledged.
+    /// How many wait to be acknowledged.
     #[must_use]
     pub fn open(&self) -> usize {
         self.list.iter().filter(|alert| alert.acknowledged.is_none()).count()
