@@ -70,7 +70,12 @@ fn every_base_stops_for_a_person() {
     for base in BASES {
         let seen = play(base, PERSON_AHEAD, 10);
         assert!(seen.verdict.passed, "{base}: {}", seen.verdict.why_not());
-        assert_eq!(seen.verdict.bodies.counts.while_moving(), 0, "{base}: {:?}", seen.verdict.bodies.contacts);
+        assert_eq!(
+            seen.verdict.bodies.counts.while_moving(),
+            0,
+            "{base}: {:?}",
+            seen.verdict.bodies.contacts
+        );
         let (went_m, at_end_m) = (seen.path_m(0.0, 9.0), seen.path_m(9.0, 10.0));
         assert!((1.5..4.0).contains(&went_m) && at_end_m < 0.02, "{base}: {went_m} m, then {at_end_m} m");
         assert!(!seen.stops.is_empty(), "{base}: no stop");

@@ -50,7 +50,7 @@ fn commands_of_one_poll_are_all_repeated() {
     };
     let mut recorder = RunRecorder::new(Cursor::new(Vec::new()), &info).expect("a recorder");
     recorder.order(1_000, &log.take().expect("entries"));
-    let file = recorder.finish(1_000, None).expect("written").into_inner();
+    let file = recorder.finish(1_000, None).expect("written").expect("a writer").into_inner();
     let mut recording = Recording::new(file.as_slice());
     let run = OrderedRun { robot: &robot, stages: Stages::All, learning: None, imu_baud: 115_200 };
     let outcome = play_ordered(run, &mut recording, &mut NoAudience).expect("played");
