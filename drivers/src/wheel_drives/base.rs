@@ -104,10 +104,8 @@ impl WheelDrives {
                     event,
                 );
             }
-            0x580 => {
-                if self.device(node).is_some_and(|device| device.on_answer(payload, now)) {
-                    self.on_found(node, event);
-                }
+            0x580 if self.device(node).is_some_and(|device| device.on_answer(payload, now)) => {
+                self.on_found(node, event);
             }
             0x700 => {
                 let byte = payload.first().copied().unwrap_or(u8::MAX);

@@ -159,9 +159,9 @@ impl BaseSection {
     }
 
     /// Where velocities go, or `[can]` with `[inputs]`.
-    pub fn read_drives(self, top: &Reader<'_>) -> Option<Drives> {
+    pub fn read_drives(&self, top: &Reader<'_>) -> Option<Drives> {
         if self.by == BaseKind::Velocity {
-            return self.address.map(Drives::Velocity);
+            return self.address.clone().map(Drives::Velocity);
         }
         let can = read_can(top.section("can"), self.wheels.unwrap_or(Wheels::Tricycle));
         let inputs = read_inputs(top.section("inputs"));

@@ -163,7 +163,6 @@ pub fn parse_recorded(file: &str, text: &str) -> Result<RecordedConfiguration, R
 
 fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let base = BaseSection::read(&top);
-    let by = base.by;
     let (geometry, train) = base.read_geometry(top.section("robot")).unzip();
     let limits = read_limits(top.section("limits"));
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
@@ -179,11 +178,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
-    if let Some(drives) = &drives {
-        let command = command.as_ref().map(|command| &command.address);
-        sensors.check(&top, (drives.can(), drives.base(), command));
-    }
-    top.finish();
+    finish(top, &sensors, drives.as_ref(), command.as_ref());
     let (lidar, lidar_address) = fitted(sensors.lidar)?;
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
@@ -194,7 +189,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             geometry: geometry?,
             limits,
             deadlines,
-            base: by,
+            base: base.by,
             train: train.unwrap_or_default(),
             has_lidar: lidar.is_some(),
             lidar: lidar.unwrap_or_default(),
@@ -227,6 +222,19 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         command,
         panel,
     })
+}
+
+/// Refuses lines that two devices share, and every key that was not read.
+fn finish(
+    top: Reader<'_>,
+    sensors: &Sensors,
+    drives: Option<&Drives>,
+    command: Option<&CommandConfiguration>,
+) {
+    if let Some(drives) = drives {
+        sensors.check(&top, (drives.can(), drives.base(), command.map(|command| &command.address)));
+    }
+    top.finish();
 }
 
 /// What a section says, or what stands for it where it is missing.

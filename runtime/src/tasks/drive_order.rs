@@ -62,6 +62,8 @@ mod tests {
     use floorguard_localisation::odometry::Tricycle;
     use floorguard_types::time::Stamp;
 
+    type Change<'a> = &'a dyn Fn(&mut DriveOrder<Tricycle>);
+
     fn flipped(number: f32, bit: u32) -> f32 {
         f32::from_bits(number.to_bits() ^ (1 << bit))
     }
@@ -84,13 +86,13 @@ mod tests {
             field_set: 0,
         });
         assert!(matches!(order.command(), Some(DriveCommand::Move { wheel_mps, .. }) if wheel_mps > 0.4));
-        let changed = |change: &dyn Fn(&mut DriveOrder<Tricycle>)| {
+        let changed = |change: Change<'_>| {
             let mut order = order;
             change(&mut order);
             order.command()
         };
         for bit in 0..32 {
-            let flips: [&dyn Fn(&mut DriveOrder<Tricycle>); 5] = [
+            let flips: [Change<'_>; 5] = [
                 &|order| {
                     let speed_mps = &mut order.order.value.permitted.linear_mps;
                     *speed_mps = flipped(*speed_mps, bit);

@@ -125,6 +125,19 @@ pub(super) enum Errand {
     Explore { side_m: f32 },
 }
 
+/// Who learns where people walk, into the file of `--learn`.
+fn learner_of(
+    arguments: &RunArguments,
+    configuration: &HostedConfiguration,
+) -> Result<Option<LiveLearner>, BadInput> {
+    let open = |path: &PathBuf| {
+        let mounting = configuration.robot.guard().scanner.mounting;
+        LiveLearner::open(path, mounting, Calendar::now())
+            .map_err(|error| BadInput(format!("{}: {error:#}", path.display())))
+    };
+    arguments.learn.as_ref().map(open).transpose()
+}
+
 /// The same on an errand: the run ends with it, or where it is given up. Gives the drive with its last progress.
 ///
 /// # Errors
@@ -151,11 +164,7 @@ pub(super) fn run_to(
     }
     let mut watch = Watch::new(arguments, &shared);
     watch.notices = Some(links.notices());
-    if let Some(path) = &arguments.learn {
-        let mounting = configuration.robot.guard().scanner.mounting;
-        let learner = LiveLearner::open(path, mounting, Calendar::now());
-        watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
-    }
+    watch.learner = learner_of(arguments, &configuration)?;
     let learning = learning_of((arguments, folder), &configuration)?;
     watch.learned = learning.as_ref().map(LearningSetup::writer);
     let errand = errand.or_else(|| configuration.fleet.as_ref().map(|_| Errand::Fleet));

@@ -243,19 +243,7 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         Plan::named(&arguments.scenario, arguments.seed, duration_us)
             .map_err(|error| WrongUsage(format!("--scenario: {error}{}", meant(&arguments.scenario))))?
     };
-    if arguments.tape.is_some() && arguments.strategy.is_some() {
-        let what =
-            "--tape: the emulated board drives the route and cannot hold a mission; leave --strategy out";
-        return Err(WrongUsage(what.to_owned()).into());
-    }
-    if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
-        let what = "--tape: the emulated board can hold the beams of an S300 only; leave --scanner out";
-        return Err(WrongUsage(what.to_owned()).into());
-    }
-    if arguments.tape.is_some() && arguments.lidar != FittedLidar::Vlp16 {
-        let what = "--tape: the emulated board decodes Velodyne lidars only; leave --lidar out";
-        return Err(WrongUsage(what.to_owned()).into());
-    }
+    refuse_on_tape(arguments)?;
     if let Some(robot) = &arguments.robot {
         plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
     }
@@ -297,6 +285,19 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan.emergency_stop_us.push((from_us, to_us));
     }
     Ok(plan)
+}
+
+/// Refuses what the emulated board, which plays the tape, cannot hold.
+fn refuse_on_tape(arguments: &SimulateArguments) -> Result<(), WrongUsage> {
+    let beyond_the_board = [
+        (arguments.strategy.is_some(), "drives the route and cannot hold a mission; leave --strategy out"),
+        (arguments.scanner != FittedScanner::S300, "can hold the beams of an S300 only; leave --scanner out"),
+        (arguments.lidar != FittedLidar::Vlp16, "decodes Velodyne lidars only; leave --lidar out"),
+    ];
+    match beyond_the_board.into_iter().find(|(is_asked, _)| *is_asked && arguments.tape.is_some()) {
+        Some((_, what)) => Err(WrongUsage(format!("--tape: the emulated board {what}"))),
+        None => Ok(()),
+    }
 }
 
 /// The scenario that was meant, if one is called nearly so.

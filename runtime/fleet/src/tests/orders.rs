@@ -85,8 +85,8 @@ impl Driven {
             }
         }
         self.commands.extend(outcome.commands);
-        let states = outcome.messages.iter().filter(|message| message.topic == Topic::State);
-        states.last().map_or(Value::Null, |message| serde_json::from_str(&message.payload).unwrap())
+        let mut states = outcome.messages.iter().filter(|message| message.topic == Topic::State);
+        states.next_back().map_or(Value::Null, |message| serde_json::from_str(&message.payload).unwrap())
     }
 
     fn drive(&mut self) -> Value {
