@@ -177,7 +177,7 @@ mod tests {
 
     /// Every laser of a column sees the post, or none: at the column's own azimuth.
     #[test]
-    fn post_stands_in_the_same_columns_of_all_lasers() {
+    fn post_stands_in_same_columns_of_all_lasers() {
         let mut straight = StraightColumns::<Host>::new(Model::Vlp32C);
         let (mut columns, mut latest) = (0, 0);
         for mut packet in packets(1_200) {

@@ -62,7 +62,7 @@ fn motionless_whole_body_stays_person_part_is_explained() {
 
 /// Narrower than a neck between broad parts in sweep after sweep; one odd sweep in four says nothing.
 #[test]
-fn standing_waist_is_explained_until_it_moves() {
+fn standing_waist_is_explained_by_most_sweeps() {
     for (every, expected) in [(1, Some(Explanation::NarrowWaist)), (4, None)] {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         for sweep in 0..40 {
