@@ -11,6 +11,7 @@ use super::address::{BaseAddress, CanAddress, DatagramAddress, SenderAddress, Se
 use super::devices::{read_can, read_inputs};
 use super::fields::read_polygon;
 use super::reader::Reader;
+use super::wheels::Wheels;
 
 /// Sections that only a base on a CAN bus has.
 const OF_THE_BUS: [&str; 2] = ["can", "inputs"];
@@ -65,25 +66,6 @@ pub(super) struct BaseSection {
     steering_max_rad: f32,
     /// Of the controller; `None`: wrong.
     address: Option<BaseAddress>,
-}
-
-/// How the robot's wheels move it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wheels {
-    Tricycle,
-    Differential,
-    Ackermann,
-    Omnidirectional,
-}
-
-impl Wheels {
-    /// As `kind` names them.
-    const NAMES: [(&'static str, Self); 4] = [
-        ("tricycle", Self::Tricycle),
-        ("differential", Self::Differential),
-        ("ackermann", Self::Ackermann),
-        ("omnidirectional", Self::Omnidirectional),
-    ];
 }
 
 impl BaseSection {
