@@ -215,7 +215,7 @@ async function tasks(browser, address, how) {
     await page.mouse.move(...a); await page.mouse.down(); await page.mouse.move(...b, {steps: 5}); await page.mouse.up();
   };
   const counted = (task, good, more) => { check(how + ", " + task + ": " + clicks + " clicks", good && clicks <= 5, more); clicks = 0; };
-  const answered = selector => page.waitForFunction(selector, null, {timeout: 60000}).then(() => true, () => false);
+  const answered = selector => page.waitForFunction(selector, null, {timeout: 240000}).then(() => true, () => false);
 
   // Where the robot may be told to be and where areas go: free floor of the map.
   await page.evaluate(() => { whole(); });
