@@ -36,7 +36,7 @@ impl ReplayAudience for SetUp {
 
 /// The memory of a guard on a computer takes in more of each lidar packet than that of a board: so must that of the repetition.
 #[test]
-fn repeated_guard_is_set_up_as_the_recorded_one() {
+fn repeated_guard_is_set_up_as_recorded() {
     let robot = parse("robot.toml", EXAMPLE).expect("the example").robot;
     for stages in [Stages::All, Stages::AsOnBoard] {
         let recorded: Box<Shared<NoopRawMutex>> =
