@@ -156,8 +156,8 @@ mod tests {
             let azimuth_cdeg = ((number * 20) % 36_000) as u16;
             let mut column: LidarColumnOf<Host> = LidarColumnOf { azimuth_cdeg, ..LidarColumnOf::SILENT };
             for (ring, angle) in angles.iter().enumerate() {
-                let looks_cdeg = i32::from(azimuth_cdeg) + i32::from(angle.azimuth_cdeg);
-                if (looks_cdeg - POST_CDEG).abs() <= HALF_CDEG {
+                let bearing_cdeg = i32::from(azimuth_cdeg) + i32::from(angle.azimuth_cdeg);
+                if (bearing_cdeg - POST_CDEG).abs() <= HALF_CDEG {
                     column.range_raw[ring] = 1_000;
                 }
             }
