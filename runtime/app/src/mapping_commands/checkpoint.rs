@@ -45,8 +45,10 @@ impl Checkpoint {
         if self.written.get().elapsed() < EVERY {
             return Ok(());
         }
+        // While loops are worked in, the next scans are waited for.
+        let Some(bytes) = mapper.checkpoint(scans, self.key) else { return Ok(()) };
         self.written.set(Instant::now());
-        write_whole(&self.path, &mapper.checkpoint(scans, self.key))
+        write_whole(&self.path, &bytes)
     }
 
     /// The map is whole: the state goes.
