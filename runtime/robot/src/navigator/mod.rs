@@ -17,6 +17,7 @@ mod report;
 mod senses;
 mod setup;
 mod space_inbox;
+mod standing;
 mod steering;
 mod survey;
 

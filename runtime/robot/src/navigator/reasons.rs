@@ -4,9 +4,10 @@ use floorguard_guard::{Cause, Decision};
 use floorguard_navigation::recovery::{Measure, RecoveryStep};
 use floorguard_runtime::tasks::MissionMoment;
 
-use super::drive::{Navigator, is_standing};
+use super::drive::Navigator;
 use super::exploring::Exploring;
 use super::progress::NavigationPhase;
+use super::standing::is_standing;
 
 /// Why the robot stands. Everything that the drive can do about it has a name here; a robot that stands for no such reason is at
 /// fault.
