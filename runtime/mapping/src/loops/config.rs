@@ -52,7 +52,7 @@ impl Default for LoopConfig {
             reach_m: 0.3,
             turn_step_rad: 0.02,
             thin_m: 0.15,
-            searched_points: 200,
+            searched_points: 150,
             near_m: 5.0,
             window_m: 0.5,
             drift_share: 0.04,

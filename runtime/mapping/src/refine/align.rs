@@ -43,7 +43,7 @@ impl Default for AlignConfig {
         let round = |distance_m, stride| AlignRound { distance_m, stride };
         Self {
             pairs: PairConfig::default(),
-            rounds: vec![round(0.4, 3), round(0.3, 3), round(0.2, 3)],
+            rounds: vec![round(0.4, 4), round(0.3, 4), round(0.2, 4)],
             last_rounds: vec![round(0.15, 1); 3],
             outlier_m: 0.05,
             point_deviation_m: 0.1,

@@ -33,7 +33,7 @@ impl Default for LocateConfig {
             guess_rad: 0.05,
             point_deviation_m: 0.2,
             outlier_m: 0.05,
-            rounds: [(0.3, 3), (0.15, 1), (0.15, 1)]
+            rounds: [(0.3, 2), (0.15, 1), (0.15, 1)]
                 .map(|(distance_m, stride)| AlignRound { distance_m, stride }),
             partners: 2,
             step_least: 1.0e-2,
