@@ -22,11 +22,10 @@ use super::maps::Maps;
 use super::model::{Model, PERIOD_S, times_of};
 use super::plan::{Journey, NavigationPlan};
 use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
-use super::reasons::StandingReason;
+use super::reasons::{StandingReason, is_standing};
 use super::senses::Senses;
 use super::setup::NavigationSetup;
 use super::space_inbox::SpaceInbox;
-use super::standing::is_standing;
 use super::steering::{Steering, SteeringMoment, is_followed};
 
 /// The global costs are made anew this often, seconds.

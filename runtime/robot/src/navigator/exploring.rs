@@ -16,7 +16,7 @@ use super::drive::Navigator;
 use super::guard_model::place_of;
 use super::model::times_of;
 use super::progress::{ExplorationProgress, NavigationPhase};
-use super::standing::is_standing;
+use super::reasons::is_standing;
 
 /// A goal is chosen anew this often, seconds.
 const DECIDE_S: f32 = 2.0;

@@ -17,7 +17,6 @@ mod report;
 mod senses;
 mod setup;
 mod space_inbox;
-mod standing;
 mod steering;
 mod survey;
 
