@@ -26,6 +26,7 @@ use super::navigation::{NavigationConfiguration, read_navigation};
 use super::panel::{PanelConfiguration, read_panel};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
+use super::ros2::{RosConfiguration, read_ros2};
 use super::sensors::{Sensors, fitted};
 
 /// The addresses of the carriers.
@@ -62,6 +63,8 @@ pub struct HostedConfiguration {
     pub navigation: Option<NavigationConfiguration>,
     /// The fleet that it belongs to, if it does.
     pub fleet: Option<FleetConfiguration>,
+    /// How it is in ROS 2, if it is.
+    pub ros2: Option<RosConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
@@ -174,6 +177,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let fleet = top.optional_section("fleet").and_then(read_fleet);
+    let ros2 = top.optional_section("ros2").and_then(|section| read_ros2(&top, section));
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
@@ -216,6 +220,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         mission,
         navigation,
         fleet,
+        ros2,
         learning,
         accepted_gaps: accepted.gaps,
         gap_speeds: accepted.speeds,
