@@ -53,6 +53,7 @@ TOPICS = {
     "/speed_limit": (ros.SpeedLimit, DEFAULT),
 }
 STOP = 1
+LATE = "wanted command"
 FAILED = []
 
 
@@ -167,9 +168,15 @@ def check_drive(robot):
     begin = robot.place()
     ready = robot.drive(0.4, 8.0, lambda: robot.speed() > 0.25)
     check(ready, f"the robot drives as /cmd_vel says, {robot.speed():.2f} m/s, restraint {robot.restraint()}")
-    stopped = robot.drive(0.4, 15.0, lambda: robot.restraint()[0] == STOP and abs(robot.speed()) < 0.01)
+
+    def is_stopped():
+        # A velocity that comes late on a busy computer stops the robot, too, until the next one; that is not meant here.
+        action, cause = robot.restraint()
+        return action == STOP and cause != LATE and abs(robot.speed()) < 0.01
+
+    stopped = robot.drive(0.4, 40.0, is_stopped)
     went = ((robot.place()[0] - begin[0]) ** 2 + (robot.place()[1] - begin[1]) ** 2) ** 0.5
-    check(stopped and went > 0.5, f"the guard stops it after {went:.2f} m because of {robot.restraint()[1]!r}")
+    check(stopped and went > 1.0, f"the guard stops it after {went:.2f} m because of {robot.restraint()[1]!r}")
     permitted = robot.newest["/guard/permitted"].twist.linear.x
     check(permitted == 0.0, f"it permits {permitted} m/s")
     limit = robot.newest["/speed_limit"]

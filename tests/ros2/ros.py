@@ -110,11 +110,13 @@ def main():
         check(ready, f"the robot drives as /cmd_vel says, {robot.speed():.2f} m/s")
 
         def stands():
-            return robot.newest["/guard/permitted"].twist.linear.x == 0.0 and abs(robot.speed()) < 0.01
+            # A velocity that comes late on a busy computer stops the robot, too; the person is 5 m ahead.
+            moved = robot.place()[0] - begin[0] > 1.0
+            return moved and robot.newest["/guard/permitted"].twist.linear.x == 0.0 and abs(robot.speed()) < 0.01
 
-        stopped = robot.drive(0.4, 15.0, stands)
+        stopped = robot.drive(0.4, 40.0, stands)
         went = ((robot.place()[0] - begin[0]) ** 2 + (robot.place()[1] - begin[1]) ** 2) ** 0.5
-        check(stopped and went > 0.5, f"the guard stops it after {went:.2f} m")
+        check(stopped and went > 1.0, f"the guard stops it after {went:.2f} m")
     for service in sorted(offered):
         answer = robot.call(service)
         check(answer is True, f"{service} is answered: {answer}")

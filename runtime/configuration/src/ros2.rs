@@ -11,7 +11,8 @@ const DOMAIN_MAX: i64 = 232;
 pub(super) const DEADLINE_MS: u16 = 200;
 
 /// What a section may say.
-pub(crate) const EXAMPLE_SECTION: &str = "[ros2]\naddress = \"192.168.1.5\"\n";
+#[cfg(test)]
+const EXAMPLE_SECTION: &str = "[ros2]\naddress = \"192.168.1.5\"\n";
 
 /// A robot in ROS 2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -99,7 +100,16 @@ mod tests {
     #[test]
     fn topics_are_words_and_slashes() {
         assert_eq!(RosTopic::parse("ros2:/nav/cmd_vel2").unwrap().name, "/nav/cmd_vel2");
-        for wrong in ["ros2:", "ros2:/", "ros2:cmd_vel", "ros2:/cmd vel", "ros2:/2fast", "ros2:/a//b", "ros2:/ä", "udp:/a"] {
+        for wrong in [
+            "ros2:",
+            "ros2:/",
+            "ros2:cmd_vel",
+            "ros2:/cmd vel",
+            "ros2:/2fast",
+            "ros2:/a//b",
+            "ros2:/ä",
+            "udp:/a",
+        ] {
             assert_eq!(RosTopic::parse(wrong), None, "{wrong}");
         }
     }

@@ -85,7 +85,8 @@ impl Encoder {
     /// `builtin_interfaces/Time`: seconds and nanoseconds.
     pub fn time(&mut self, stamp: Stamp) -> &mut Self {
         let micros = stamp.as_micros();
-        self.i32(i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX)).u32((micros % 1_000_000) as u32 * 1_000)
+        self.i32(i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX))
+            .u32((micros % 1_000_000) as u32 * 1_000)
     }
 
     /// A sequence of bytes.

@@ -27,6 +27,7 @@ pub mod replay;
 mod run;
 mod scan_map;
 mod schemas;
+mod times;
 pub mod topics;
 pub mod truth;
 
@@ -34,13 +35,14 @@ pub use lidar_view::{LidarView, points as sweep_points};
 pub use listener::{LiveMessage, MessageListener};
 pub use map_clouds::{NamedCloud, map_clouds};
 pub use message_count::count_messages;
+pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
 pub use messages::{
     diagnostics as diagnostics_message, flat_frame as tf_message, occupancy_grid as grid_message,
 };
-pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
 pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};
-pub use recorder::{Compression, RecordError, Recorder, Times};
+pub use recorder::{Compression, RecordError, Recorder};
 pub use run::{END_METADATA, LEARNED, RUN_METADATA, RunInfo, RunRecorder};
 pub use schemas::{OCTETS, Schema, TF_MESSAGE};
+pub use times::Times;
 pub use topics::MotionRow;

@@ -157,11 +157,14 @@ impl RosBridge {
         let start = |name: &str, work: Box<dyn FnOnce() + Send>| {
             thread::Builder::new().name(name.to_owned()).spawn(work).map_err(OpenError::Thread)
         };
-        let writes = start("ros2 out", Box::new(move || {
-            // The node is known as long as its writer lives, and everything as long as the participant does.
-            let _lives = (&participant, &presence);
-            publisher.run(&waiting, &ends);
-        }))?;
+        let writes = start(
+            "ros2 out",
+            Box::new(move || {
+                // The node is known as long as its writer lives, and everything as long as the participant does.
+                let _lives = (&participant, &presence);
+                publisher.run(&waiting, &ends);
+            }),
+        )?;
         let reads = start("ros2 in", Box::new(move || listener.run(&also_ends)))?;
         Ok(Self { messages, requests, threads: vec![writes, reads], closed, next_us: 0 })
     }
@@ -261,10 +264,8 @@ pub fn take_part(domain: u16, address: Option<Ipv4Addr>) -> Result<rustdds::Doma
 
 /// Tells the tools of ROS 2 which node all readers and writers belong to: `rmw_dds_common/msg/ParticipantEntitiesInfo`.
 fn introduce(participant: &mut Participant) -> Result<MessageWriter, Refused> {
-    let named = Named {
-        topic: "ros_discovery_info".to_owned(),
-        kind: "rmw_dds_common/msg/ParticipantEntitiesInfo",
-    };
+    let named =
+        Named { topic: "ros_discovery_info".to_owned(), kind: "rmw_dds_common/msg/ParticipantEntitiesInfo" };
     let writer = participant.writer(&named, Quality::Kept(1))?;
     let mut encoder = Encoder::new();
     let bytes = |encoder: &mut Encoder, name: &[u8; 16]| name.iter().for_each(|byte| _ = encoder.u8(*byte));

@@ -8,8 +8,8 @@ use rustdds::no_key::{
 };
 use rustdds::policy::{Durability, History, Reliability};
 use rustdds::{
-    DomainParticipant, Duration, QosPolicies, QosPolicyBuilder, RTPSEntity as _,
-    RepresentationIdentifier, Topic, TopicKind,
+    DomainParticipant, Duration, QosPolicies, QosPolicyBuilder, RTPSEntity as _, RepresentationIdentifier,
+    Topic, TopicKind,
 };
 
 use super::names;
@@ -149,9 +149,7 @@ impl Participant {
 
     fn topic(&self, named: &Named, policies: &QosPolicies) -> Result<Topic, Refused> {
         let kind = names::dds_type(named.kind);
-        self.participant
-            .create_topic(named.topic.clone(), kind, policies, TopicKind::NoKey)
-            .map_err(refused)
+        self.participant.create_topic(named.topic.clone(), kind, policies, TopicKind::NoKey).map_err(refused)
     }
 
     /// Writes a topic.

@@ -52,13 +52,17 @@ impl Listener {
         let velocities = match feed {
             Some((feed, route)) => {
                 let kinds = ["geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"];
-                let readers: Result<_, Refused> = kinds.into_iter().map(|kind| read(&route.topic, kind)).collect();
+                let readers: Result<_, Refused> =
+                    kinds.into_iter().map(|kind| read(&route.topic, kind)).collect();
                 Some((Velocities::new(feed, &route), readers?))
             }
             None => None,
         };
         let places = vec![
-            PlaceReader { reader: read("/goal_pose", "geometry_msgs/msg/PoseStamped")?, meaning: RosRequest::Goal },
+            PlaceReader {
+                reader: read("/goal_pose", "geometry_msgs/msg/PoseStamped")?,
+                meaning: RosRequest::Goal,
+            },
             PlaceReader {
                 reader: read("/initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped")?,
                 meaning: RosRequest::Relocate,

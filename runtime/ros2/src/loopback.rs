@@ -61,7 +61,9 @@ mod tests {
         let socket = UdpSocket::bind("0.0.0.0:0").unwrap();
         let tied = match tie_new(&before) {
             Ok(tied) => tied,
-            Err(error) => return eprintln!("skipped: this kernel does not tie sockets to a device ({error})"),
+            Err(error) => {
+                return eprintln!("skipped: this kernel does not tie sockets to a device ({error})");
+            }
         };
         assert!(tied >= 1);
         let to = UdpSocket::bind("127.0.0.1:0").unwrap();

@@ -47,12 +47,16 @@ mod tests {
     #[test]
     fn standing_robot_is_not_told_as_unlimited() {
         let at = Stamp::from_micros(1_500_000);
-        let moment = RobotMoment { at, restraint: Restraint::Stops, cause: "field".to_owned(), limit_mps: 0.0 };
+        let moment =
+            RobotMoment { at, restraint: Restraint::Stops, cause: "field".to_owned(), limit_mps: 0.0 };
         let limit = speed_limit(&moment, at);
         let mut decoder = Decoder::new(&limit).unwrap();
         assert_eq!((decoder.i32(), decoder.u32()), (Some(1), Some(500_000_000)));
         assert_eq!((decoder.text().as_deref(), decoder.u8()), (Some("base_link"), Some(0)));
         assert!(decoder.f64().is_some_and(|limit| limit > 0.0));
-        assert_eq!(collision_monitor_state(&moment)[4..], [1, 0, 0, 0, 6, 0, 0, 0, b'f', b'i', b'e', b'l', b'd', 0]);
+        assert_eq!(
+            collision_monitor_state(&moment)[4..],
+            [1, 0, 0, 0, 6, 0, 0, 0, b'f', b'i', b'e', b'l', b'd', 0]
+        );
     }
 }

@@ -86,7 +86,11 @@ impl Publisher {
         };
         Ok(Self {
             channels: channels?,
-            state: own("/collision_monitor_state", "nav2_msgs/msg/CollisionMonitorState", Quality::Newest(10))?,
+            state: own(
+                "/collision_monitor_state",
+                "nav2_msgs/msg/CollisionMonitorState",
+                Quality::Newest(10),
+            )?,
             limit: own("/speed_limit", "nav2_msgs/msg/SpeedLimit", Quality::Newest(10))?,
             costs: own("/people/costmap", "nav_msgs/msg/OccupancyGrid", Quality::Kept(1))?,
             counters,

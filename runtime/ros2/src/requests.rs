@@ -52,7 +52,8 @@ mod tests {
     #[test]
     fn place_on_the_map_is_read() {
         let half = core::f64::consts::FRAC_PI_4;
-        let found = place(&pose("map", [3.0, -1.5, 0.2, 0.0, 0.0, libm::sin(half), libm::cos(half)])).unwrap();
+        let found =
+            place(&pose("map", [3.0, -1.5, 0.2, 0.0, 0.0, libm::sin(half), libm::cos(half)])).unwrap();
         assert_eq!((found.x_m, found.y_m), (3.0, -1.5));
         assert!((found.heading_rad - core::f32::consts::FRAC_PI_2).abs() < 1.0e-6);
     }

@@ -35,8 +35,7 @@ pub struct Service {
 /// DDS refuses one.
 pub fn open(participant: &mut Participant) -> Result<Vec<Service>, Refused> {
     let open = |(name, request): &(&str, RosRequest)| {
-        let asked =
-            Named { topic: names::request_topic(name), kind: "std_srvs/srv/Trigger_Request" };
+        let asked = Named { topic: names::request_topic(name), kind: "std_srvs/srv/Trigger_Request" };
         let answered = Named { topic: names::reply_topic(name), kind: "std_srvs/srv/Trigger_Response" };
         Ok(Service {
             requests: participant.reader(&asked, true)?,

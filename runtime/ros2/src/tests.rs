@@ -94,7 +94,10 @@ fn other_participant_reads_drives_and_asks() {
         let length = guard.recv(&mut bytes).ok()?;
         Some(VelocityRequest::decode(&bytes[..length]).unwrap())
     });
-    assert_eq!((request.twist.linear_mps, request.twist.angular_radps, request.deadline_ms), (0.4, -0.2, 150));
+    assert_eq!(
+        (request.twist.linear_mps, request.twist.angular_radps, request.deadline_ms),
+        (0.4, -0.2, 150)
+    );
     assert!(request.sender != 0 && request.sent_ms != 0);
 
     // A service reaches the robot.

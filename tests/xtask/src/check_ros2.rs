@@ -95,5 +95,7 @@ fn environment(work: &Path, rclpy: bool) -> Result<PathBuf, String> {
         pip.args(["--only-binary", ":all:", "--requirement"]).arg(folder().join("requirements.txt"));
     }
     let installed = shell::output(&mut pip);
-    installed.map(|_| python).ok_or_else(|| "pip cannot install the other side here (no registry?)".to_owned())
+    installed
+        .map(|_| python)
+        .ok_or_else(|| "pip cannot install the other side here (no registry?)".to_owned())
 }

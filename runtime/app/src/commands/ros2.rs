@@ -68,7 +68,10 @@ impl RosWay {
     ///
     /// # Errors
     /// The program was built without ROS 2, or DDS refuses.
-    pub(super) fn open(self, orders: Option<(DriveOrders, NavigationSettings)>) -> anyhow::Result<Option<RosEnds>> {
+    pub(super) fn open(
+        self,
+        orders: Option<(DriveOrders, NavigationSettings)>,
+    ) -> anyhow::Result<Option<RosEnds>> {
         let Self { place, feed } = self;
         place.map(|place| open(RosOpening { place, feed, orders })).transpose()
     }
@@ -86,9 +89,9 @@ pub(super) fn ros_domain(text: &str) -> Result<RosDomain, String> {
         return Ok(RosDomain(None));
     }
     let domain = text.parse().ok().filter(|domain| *domain <= DOMAIN_MAX);
-    domain
-        .map(|domain| RosDomain(Some(domain)))
-        .ok_or_else(|| format!("write a domain from 0 to {DOMAIN_MAX}, for example --ros2=7, or --ros2 alone"))
+    domain.map(|domain| RosDomain(Some(domain))).ok_or_else(|| {
+        format!("write a domain from 0 to {DOMAIN_MAX}, for example --ros2=7, or --ros2 alone")
+    })
 }
 
 /// Where the robot is in ROS 2, if anything asks for it: the command line, `[ros2]`, or a source of velocities.

@@ -178,7 +178,8 @@ pub(super) fn run_to(
         mission: mission.as_ref().map(|mission| &mission.plan),
         navigation: navigation.as_ref().map(|drive| &drive.plan),
         learning: learning.as_ref(),
-        ros: ros.open(navigation.as_ref().and_then(|drive| Some((drive.orders.clone()?, drive.plan.settings))))?,
+        ros: ros
+            .open(navigation.as_ref().and_then(|drive| Some((drive.orders.clone()?, drive.plan.settings))))?,
     };
     let mut sinks = open_sinks(arguments, &configuration, reported)?;
     join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref())?;

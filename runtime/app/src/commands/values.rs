@@ -58,7 +58,9 @@ pub(super) fn command_address(text: &str) -> Result<CommandConfiguration, String
     let port = address.map(CommandConfiguration::on_port);
     let topic = || RosTopic::parse(text).map(CommandConfiguration::on_topic);
     let command = port.or_else(topic);
-    command.ok_or_else(|| "write udp:ADDRESS:PORT or ros2:TOPIC, for example udp:127.0.0.1:7000 or ros2:/cmd_vel".to_owned())
+    command.ok_or_else(|| {
+        "write udp:ADDRESS:PORT or ros2:TOPIC, for example udp:127.0.0.1:7000 or ros2:/cmd_vel".to_owned()
+    })
 }
 
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.

@@ -1,8 +1,6 @@
 //! The bridge to ROS 2, as a listener and a link of a run.
 
-use floorguard_configuration::{
-    CommandAddress, CommandConfiguration, DatagramAddress, SenderAddress,
-};
+use floorguard_configuration::{CommandAddress, CommandConfiguration, DatagramAddress, SenderAddress};
 use floorguard_guard::{Action, GuardState};
 use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::{LinkMoment, RunLink};
@@ -48,8 +46,14 @@ pub(crate) fn open(opening: RosOpening) -> anyhow::Result<RosEnds> {
         None => "on this computer alone".to_owned(),
         Some(address) => format!("at {address} and on every other network of this computer"),
     };
-    say!("  ROS 2: domain {}, {reach}; no DDS security: whoever reaches it reads everything and", place.domain);
-    say!("    may pause, resume and reset{}", if orders.is_some() { ", and send the robot to places" } else { "" });
+    say!(
+        "  ROS 2: domain {}, {reach}; no DDS security: whoever reaches it reads everything and",
+        place.domain
+    );
+    say!(
+        "    may pause, resume and reset{}",
+        if orders.is_some() { ", and send the robot to places" } else { "" }
+    );
     if let Some(topic) = topic {
         say!("    velocities come from {topic}; the first writer holds the robot");
     }
