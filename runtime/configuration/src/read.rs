@@ -182,7 +182,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
-    finish(top, &sensors, drives.as_ref(), command.as_ref());
+    finish(top, &sensors, (drives.as_ref(), command.as_ref()));
     let (lidar, lidar_address) = fitted(sensors.lidar)?;
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
@@ -230,13 +230,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
 }
 
 /// Refuses lines that two devices share, and every key that was not read.
-fn finish(
-    top: Reader<'_>,
-    sensors: &Sensors,
-    drives: Option<&Drives>,
-    command: Option<&CommandConfiguration>,
-) {
-    if let Some(drives) = drives {
+fn finish(top: Reader<'_>, sensors: &Sensors, by: (Option<&Drives>, Option<&CommandConfiguration>)) {
+    if let (Some(drives), command) = by {
         sensors.check(&top, (drives.can(), drives.base(), command.map(|command| &command.address)));
     }
     top.finish();
