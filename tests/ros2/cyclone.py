@@ -1,9 +1,10 @@
 """A program of ROS 2 over Cyclone DDS, which knows nothing of floorguard but what its topics say.
 
-Usage: cyclone.py DOMAIN
+Usage: cyclone.py DOMAIN [--read SECONDS | --stall SECONDS]
 
 It waits for the robot's topics, drives it by /cmd_vel until the robot is stopped by something ahead, and pauses and resumes it by
-services. Prints one line for each check, and ends with 1 if one fails.
+services. Prints one line for each check, and ends with 1 if one fails. With --read it only reads everything for so long, and with --stall
+it subscribes to everything and reads nothing.
 """
 
 import json
@@ -191,6 +192,13 @@ def check_services(robot):
 
 def main():
     robot = Robot(int(sys.argv[1]))
+    if len(sys.argv) > 3:
+        if sys.argv[2] == "--read":
+            robot.drive(None, float(sys.argv[3]))
+        else:
+            time.sleep(float(sys.argv[3]))
+        print(json.dumps({"messages": robot.counts}))
+        return 0
     check_topics(robot)
     if not FAILED:
         check_people(robot)

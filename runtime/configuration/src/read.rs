@@ -176,11 +176,9 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
-    let fleet = top.optional_section("fleet").and_then(read_fleet);
-    let ros2 = top.optional_section("ros2").and_then(|section| read_ros2(&top, section));
+    let (fleet, ros2, command) = read_outside(&top);
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
-    let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
     finish(top, &sensors, (drives.as_ref(), command.as_ref()));
     let (lidar, lidar_address) = fitted(sensors.lidar)?;
@@ -227,6 +225,15 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         command,
         panel,
     })
+}
+
+/// Who else knows the robot or drives it.
+type Outside = (Option<FleetConfiguration>, Option<RosConfiguration>, Option<CommandConfiguration>);
+
+fn read_outside(top: &Reader<'_>) -> Outside {
+    let fleet = top.optional_section("fleet").and_then(read_fleet);
+    let ros2 = top.optional_section("ros2").and_then(|section| read_ros2(top, section));
+    (fleet, ros2, top.optional_section("command").and_then(|section| read_command(top, section)))
 }
 
 /// Refuses lines that two devices share, and every key that was not read.

@@ -124,7 +124,9 @@ fn rows_of(configuration: &str) -> Vec<Asked> {
     debug_assert!(read.is_ok(), "the example is a right configuration");
     let mut rows = Vec::<Asked>::new();
     for mut row in asked {
-        row.section.truncate(row.section.trim_end_matches(|c: char| c.is_ascii_digit() || c == ' ').len());
+        // One of several is counted: "field 1".
+        let counted = row.section.rsplit_once(' ');
+        row.section = counted.map_or(row.section.as_str(), |(name, _)| name).to_owned();
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
         }
