@@ -14,6 +14,9 @@ use super::dds::{Named, Participant, Quality};
 use super::names;
 use super::{BridgeOptions, RosBridge, RosRequest, VelocityFeed, VelocityRoute};
 
+/// A recording that only listeners hear.
+type NoFile = Recorder<std::io::Cursor<Vec<u8>>>;
+
 /// A busy computer needs long to find what is on it.
 const LONGEST: Duration = Duration::from_secs(60);
 
@@ -51,6 +54,18 @@ fn bridge(feed: VelocityFeed) -> Option<RosBridge> {
     }
 }
 
+/// It is as it was written, on the clock on the wall.
+fn check_frame(frame: &[u8]) {
+    let mut decoder = Decoder::new(frame).unwrap();
+    assert_eq!(decoder.length(), Some(1));
+    let seconds = decoder.i32().and_then(|seconds| u64::try_from(seconds).ok()).unwrap();
+    let now_s = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs();
+    assert!(now_s.abs_diff(seconds) < 120, "{seconds} is not {now_s}");
+    decoder.u32().unwrap();
+    assert_eq!((decoder.text().as_deref(), decoder.text().as_deref()), (Some("odom"), Some("base_link")));
+    assert_eq!(decoder.f64s::<2>(), Some([1.0, 2.0]));
+}
+
 #[test]
 fn other_participant_reads_drives_and_asks() {
     let feed = VelocityFeed::open().unwrap();
@@ -66,7 +81,7 @@ fn other_participant_reads_drives_and_asks() {
     let pause = other.writer(&pause, Quality::Newest(1)).unwrap();
 
     // A frame comes as it was written, on the clock on the wall.
-    let mut recorder = Recorder::without_file();
+    let mut recorder = NoFile::without_file();
     recorder.listen(bridge.listener());
     let mut robot_us = 5_000_000;
     let frame = soon(|| {
@@ -75,14 +90,7 @@ fn other_participant_reads_drives_and_asks() {
         recorder.frame(at, at, (("odom", "base_link"), Pose2::new(1.0, 2.0, 0.5))).unwrap();
         frames.take_next_sample().unwrap().map(|sample| sample.into_value())
     });
-    let mut decoder = Decoder::new(&frame).unwrap();
-    assert_eq!(decoder.length(), Some(1));
-    let seconds = decoder.i32().and_then(|seconds| u64::try_from(seconds).ok()).unwrap();
-    let now_s = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs();
-    assert!(now_s.abs_diff(seconds) < 120, "{seconds} is not {now_s}");
-    decoder.u32().unwrap();
-    assert_eq!((decoder.text().as_deref(), decoder.text().as_deref()), (Some("odom"), Some("base_link")));
-    assert_eq!(decoder.f64s::<2>(), Some([1.0, 2.0]));
+    check_frame(&frame);
 
     // A velocity reaches the guard's port as a request.
     let mut twist = Encoder::new();
@@ -113,7 +121,7 @@ fn other_participant_reads_drives_and_asks() {
 #[test]
 fn full_queue_drops_and_counts() {
     let (sink, waiting) = super::bridge::RecordedSink::over(4);
-    let mut recorder = Recorder::without_file();
+    let mut recorder = NoFile::without_file();
     let counters = sink.counters();
     recorder.listen(Box::new(sink));
     for step in 0..10 {

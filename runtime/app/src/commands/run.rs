@@ -40,7 +40,7 @@ use floorguard_robot::camera::open_source;
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
+use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings, NavigationSetup};
 use floorguard_types::geometry::Pose2;
 
 /// Stands in the recording of a robot without an inertial sensor.
@@ -152,9 +152,7 @@ pub(super) fn run_to(
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
-    let driver = configuration.command.as_ref().map(CommandConfiguration::in_words);
-    let asked = arguments.outputs.live.ros2;
-    let ros = RosWay::of(asked, configuration.ros2.as_ref(), &mut configuration.command)?;
+    let (ros, driver) = ros_way(arguments, &mut configuration)?;
     let mut links = bind_links(&configuration)?;
     let (window_links, window) = bind_window(&configuration)?;
     let began = clock::now();
@@ -178,8 +176,7 @@ pub(super) fn run_to(
         mission: mission.as_ref().map(|mission| &mission.plan),
         navigation: navigation.as_ref().map(|drive| &drive.plan),
         learning: learning.as_ref(),
-        ros: ros
-            .open(navigation.as_ref().and_then(|drive| Some((drive.orders.clone()?, drive.plan.settings))))?,
+        ros: ros.open(navigation.as_ref().and_then(orders_of))?,
     };
     let mut sinks = open_sinks(arguments, &configuration, reported)?;
     join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref())?;
@@ -246,6 +243,21 @@ struct Reported<'a> {
     navigation: Option<&'a NavigationPlan>,
     learning: Option<&'a LearningSetup>,
     ros: Option<RosEnds>,
+}
+
+/// The bridge to ROS 2 that is asked for, and who drives from outside, in words.
+fn ros_way(
+    arguments: &RunArguments,
+    configuration: &mut HostedConfiguration,
+) -> anyhow::Result<(RosWay, Option<String>)> {
+    let driver = configuration.command.as_ref().map(CommandConfiguration::in_words);
+    let asked = arguments.outputs.live.ros2;
+    Ok((RosWay::of(asked, configuration.ros2.as_ref(), &mut configuration.command)?, driver))
+}
+
+/// Where a drive takes its orders, if it does.
+fn orders_of(drive: &NavigationSetup) -> Option<(DriveOrders, NavigationSettings)> {
+    Some((drive.orders.clone()?, drive.plan.settings))
 }
 
 /// Somebody outside orders where the robot drives: a fleet's master, or a program of ROS 2.
