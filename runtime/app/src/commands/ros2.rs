@@ -23,7 +23,6 @@ const DOMAIN_MAX: u16 = 232;
 pub struct RosDomain(Option<u16>);
 
 /// Where a robot is in ROS 2.
-#[cfg_attr(not(feature = "ros2"), expect(dead_code, reason = "a program without ROS 2 refuses it"))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RosPlace {
     /// The domain.
