@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 
 use super::address::{DatagramAddress, SenderAddress, SerialAddress, parse_serial};
 use super::reader::Reader;
+use super::ros2::{DEADLINE_MS, RosTopic};
 
 /// How often permits go out by datagrams and over a line, a second.
 const PERMITS_HZ: i64 = 50;
@@ -25,6 +26,8 @@ pub enum CommandAddress {
     Datagrams(DatagramAddress),
     /// A serial line.
     Serial(SerialAddress),
+    /// A topic of ROS 2.
+    Ros(RosTopic),
 }
 
 /// How the robot is driven from outside.
@@ -44,7 +47,16 @@ impl CommandConfiguration {
     /// A port on which the first sender is listened to.
     #[must_use]
     pub const fn on_port(local: SocketAddr) -> Self {
-        let address = CommandAddress::Datagrams(DatagramAddress { local, sender: None });
+        Self::at(CommandAddress::Datagrams(DatagramAddress { local, sender: None }))
+    }
+
+    /// A topic of ROS 2.
+    #[must_use]
+    pub const fn on_topic(topic: RosTopic) -> Self {
+        Self::at(CommandAddress::Ros(topic))
+    }
+
+    const fn at(address: CommandAddress) -> Self {
         Self { address, sender_id: None, subscribers: Vec::new(), permits_hz: PERMITS_HZ as u32 }
     }
 }
@@ -56,6 +68,7 @@ impl CommandConfiguration {
         let place = match &self.address {
             CommandAddress::Datagrams(address) => format!("udp:{}", address.local),
             CommandAddress::Serial(line) => format!("serial:{}", line.device.display()),
+            CommandAddress::Ros(topic) => format!("ros2:{}", topic.name),
         };
         let sender = self.sender_id.map_or("the first sender".to_owned(), |id| format!("sender {id}"));
         format!("velocities of {sender} at {place}, {} permits a second", self.permits_hz)
@@ -97,12 +110,15 @@ fn read_address(section: &Reader<'_>) -> Option<CommandAddress> {
     let baud = || section.integer("baud", 9_600..=4_000_000) as u32;
     let line =
         || parse_serial(text).map(|device| CommandAddress::Serial(SerialAddress { device, baud: baud() }));
-    let address = datagrams.or_else(line);
+    let deadline_ms = || section.integer_or("deadline_ms", 20..=1_000, DEADLINE_MS.into()) as u16;
+    let held = |topic| RosTopic { deadline_ms: deadline_ms(), ..topic };
+    let topic = || RosTopic::parse(text).map(|topic| CommandAddress::Ros(held(topic)));
+    let address = datagrams.or_else(line).or_else(topic);
     if address.is_none() {
         section.refuse(
             &span,
             format!("[command]: `source` is \"{text}\", no address of this kind"),
-            format!("write for example \"{example}\" or \"serial:/dev/ttyUSB2\""),
+            format!("write for example \"{example}\", \"serial:/dev/ttyUSB2\" or \"ros2:/cmd_vel\""),
         );
     }
     address
@@ -169,6 +185,11 @@ mod tests {
         let command =
             parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).command.unwrap();
         assert!(matches!(command.address, CommandAddress::Serial(SerialAddress { baud: 115_200, .. })));
+        let text = with("[command]\nsource = \"ros2:/cmd_vel\"\ndeadline_ms = 300\n");
+        let command =
+            parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).command.unwrap();
+        let topic = RosTopic { name: "/cmd_vel".to_owned(), deadline_ms: 300 };
+        assert_eq!(command.address, CommandAddress::Ros(topic));
         assert!(parse("robot.toml", EXAMPLE).unwrap().command.is_none());
     }
 
@@ -180,6 +201,8 @@ mod tests {
             (format!("{EXAMPLE}\n{port}"), "[command] and [route] both request velocities"),
             (with(line), "50 permits a second do not fit 115200 Bd"),
             (with(&port.replace("udp:", "tcp:")), "no address of this kind"),
+            (with("[command]\nsource = \"ros2:cmd_vel\"\n"), "no address of this kind"),
+            (with(&format!("{port}deadline_ms = 100\n")), "`deadline_ms` is not a known key"),
             (with(&format!("{port}sender = \"robot\"\n")), "`sender` is \"robot\""),
             (with(&format!("{port}sender_id = -1\n")), "sender_id"),
             (with(&format!("{port}subscribers = \"10.0.0.3\"\n")), "`subscribers` is \"10.0.0.3\""),

@@ -34,7 +34,7 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
     match addresses.command {
         Some(CommandAddress::Datagrams(port)) => ports.push(("command", *port)),
         Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
-        None => {}
+        Some(CommandAddress::Ros(_)) | None => {}
     }
     if let Some(CanAddress::Slcan(device)) = addresses.can {
         lines.push(("can", device));

@@ -22,6 +22,7 @@ mod problem;
 mod read;
 mod reader;
 mod reference;
+mod ros2;
 mod sensors;
 mod warnings;
 mod wheels;
@@ -45,6 +46,7 @@ pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused, did_you_mean};
 pub use read::{Carriers, HostedConfiguration, RecordedConfiguration, load, parse, parse_recorded};
 pub use reference::reference;
+pub use ros2::{RosConfiguration, RosTopic};
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.
 pub const EXAMPLE: &str = include_str!("../../../robot.toml");

@@ -26,6 +26,7 @@ use super::navigation::{NavigationConfiguration, read_navigation};
 use super::panel::{PanelConfiguration, read_panel};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
+use super::ros2::{RosConfiguration, read_ros2};
 use super::sensors::{Sensors, fitted};
 
 /// The addresses of the carriers.
@@ -62,6 +63,8 @@ pub struct HostedConfiguration {
     pub navigation: Option<NavigationConfiguration>,
     /// The fleet that it belongs to, if it does.
     pub fleet: Option<FleetConfiguration>,
+    /// How it is in ROS 2, if it is.
+    pub ros2: Option<RosConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
@@ -173,12 +176,11 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
-    let fleet = top.optional_section("fleet").and_then(read_fleet);
+    let (fleet, ros2, command) = read_outside(&top);
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
-    let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
-    finish(top, &sensors, drives.as_ref(), command.as_ref());
+    finish(top, &sensors, (drives.as_ref(), command.as_ref()));
     let (lidar, lidar_address) = fitted(sensors.lidar)?;
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
@@ -216,6 +218,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         mission,
         navigation,
         fleet,
+        ros2,
         learning,
         accepted_gaps: accepted.gaps,
         gap_speeds: accepted.speeds,
@@ -224,14 +227,18 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     })
 }
 
+/// Who else knows the robot or drives it.
+type Outside = (Option<FleetConfiguration>, Option<RosConfiguration>, Option<CommandConfiguration>);
+
+fn read_outside(top: &Reader<'_>) -> Outside {
+    let fleet = top.optional_section("fleet").and_then(read_fleet);
+    let ros2 = top.optional_section("ros2").and_then(|section| read_ros2(top, section));
+    (fleet, ros2, top.optional_section("command").and_then(|section| read_command(top, section)))
+}
+
 /// Refuses lines that two devices share, and every key that was not read.
-fn finish(
-    top: Reader<'_>,
-    sensors: &Sensors,
-    drives: Option<&Drives>,
-    command: Option<&CommandConfiguration>,
-) {
-    if let Some(drives) = drives {
+fn finish(top: Reader<'_>, sensors: &Sensors, by: (Option<&Drives>, Option<&CommandConfiguration>)) {
+    if let (Some(drives), command) = by {
         sensors.check(&top, (drives.can(), drives.base(), command.map(|command| &command.address)));
     }
     top.finish();

@@ -13,6 +13,8 @@ strategy = \"systematic\"
 [fleet]
 broker = \"127.0.0.1\"
 serial = \"robot-7\"
+[ros2]
+address = \"192.168.1.5\"
 [learning]
 [panel]
 [rear_scanner]
@@ -32,7 +34,10 @@ const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\n
 const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
 
 /// The robot that a program outside drives; it has no route of its own.
-const COMMANDED: &str = "[command]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 230400\n";
+const COMMANDED: [&str; 2] = [
+    "[command]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 230400\n",
+    "[command]\nsource = \"ros2:/cmd_vel\"\ndeadline_ms = 200\n",
+];
 
 /// Bases that take velocities, instead of drives on a CAN bus.
 const BASES: [&str; 2] = [
@@ -79,7 +84,8 @@ pub fn reference() -> String {
     let mut rows = rows_of(&with_all);
     let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
     let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();
-    let others = others.into_iter().chain(rows_of(&[driven, COMMANDED].concat()));
+    let commanded = COMMANDED.iter().flat_map(|command| rows_of(&[driven, command].concat()));
+    let others = others.into_iter().chain(commanded);
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
     let others = others.chain(based).chain(wheeled);
@@ -118,7 +124,9 @@ fn rows_of(configuration: &str) -> Vec<Asked> {
     debug_assert!(read.is_ok(), "the example is a right configuration");
     let mut rows = Vec::<Asked>::new();
     for mut row in asked {
-        row.section.truncate(row.section.trim_end_matches(|c: char| c.is_ascii_digit() || c == ' ').len());
+        // One of several is counted: "field 1".
+        let counted = row.section.rsplit_once(' ');
+        row.section = counted.map_or(row.section.as_str(), |(name, _)| name).to_owned();
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
         }
@@ -134,7 +142,7 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[actuated_lidar]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[command]`, `[panel]` and every `[[field]]` may be missing as a whole.
+`[deadlines]`, `[lidar]`, `[rear_scanner]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[actuated_lidar]`, `[mission]`, `[navigation]`, `[learning]`, `[fleet]`, `[ros2]`, `[command]`, `[panel]` and every `[[field]]` may be missing as a whole.
 `floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
@@ -143,7 +151,7 @@ much it needs to stop. `kind` in `[base]` names the wheels ([Odometry: Bases](al
 are on the CAN bus, and `[can]` names those that this base has: `drive_node`, `steering_node` and two encoders of a tricycle or a car
 (`steering_max_deg` is its alone), a drive on each wheel of a differential or omnidirectional base. Those have no `wheelbase_m` where they
 have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
-`[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
+`[mission]`; `baud` is that of a serial `source`, `deadline_ms` of a topic of ROS 2 (`ros2:/cmd_vel`), `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
 the first sender that comes. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
@@ -151,7 +159,8 @@ as its recording did). `model` is relative to the folder of this file. The guard
 person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map, and `simulate --navigate` on that of its
 scenario; `start_…` is where the robot is switched on, in the map's frame. With `[fleet]`, `run` waits for the orders of a fleet's
 master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
-`fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
+`fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. With `[ros2]`, or a `source` of ROS 2 in
+`[command]`, the robot is live in ROS 2 ([ROS 2](ros2.md)); the program must be built with the feature `ros2`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
 the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,

@@ -2,6 +2,8 @@
 //!
 //! Source: OMG DDS-XTYPES 1.3, 7.4 (plain CDR, version 1). Alignment counts from behind the four-byte header.
 
+use floorguard_types::time::Stamp;
+
 /// Builds one serialised message.
 pub struct Encoder {
     bytes: Vec<u8>,
@@ -10,8 +12,15 @@ pub struct Encoder {
 /// Bytes of the encapsulation header: plain CDR, little-endian, no options.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
+impl Default for Encoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Encoder {
     /// An empty message.
+    #[must_use]
     pub fn new() -> Self {
         Self { bytes: HEADER.to_vec() }
     }
@@ -73,6 +82,13 @@ impl Encoder {
         self.u8(0)
     }
 
+    /// `builtin_interfaces/Time`: seconds and nanoseconds.
+    pub fn time(&mut self, stamp: Stamp) -> &mut Self {
+        let micros = stamp.as_micros();
+        self.i32(i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX))
+            .u32((micros % 1_000_000) as u32 * 1_000)
+    }
+
     /// A sequence of bytes.
     pub fn octets(&mut self, octets: &[u8]) -> &mut Self {
         self.length(octets.len());
@@ -81,6 +97,7 @@ impl Encoder {
     }
 
     /// The finished message.
+    #[must_use]
     pub fn finish(self) -> Vec<u8> {
         self.bytes
     }
@@ -96,6 +113,7 @@ pub struct Decoder<'a> {
 
 impl<'a> Decoder<'a> {
     /// `None` for anything but plain CDR.
+    #[must_use]
     pub fn new(message: &'a [u8]) -> Option<Self> {
         match message.split_first_chunk::<4>()? {
             ([0, 0, ..], bytes) => Some(Self { bytes, at: 0, little: false }),

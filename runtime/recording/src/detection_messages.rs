@@ -5,7 +5,7 @@ use floorguard_types::time::Stamp;
 
 use super::cdr::Encoder;
 use super::describe;
-use super::messages::{self, header, quaternion_about_z};
+use super::messages::{header, quaternion_about_z};
 
 /// Classes of the hypotheses.
 const PERSON: &str = "person";
@@ -56,8 +56,7 @@ fn pose(encoder: &mut Encoder, (track, height_m, heading_rad): (&PersonReport, f
 pub fn wall_clock(stamp: Stamp, unix_us: u64) -> Vec<u8> {
     let mut encoder = Encoder::new();
     header(&mut encoder, stamp, "");
-    messages::time(&mut encoder, Stamp::from_micros(unix_us));
-    encoder.text("the computer's clock");
+    encoder.time(Stamp::from_micros(unix_us)).text("the computer's clock");
     encoder.finish()
 }
 

@@ -4,7 +4,7 @@
 
 pub mod capture;
 pub mod carmen;
-mod cdr;
+pub mod cdr;
 mod chunk;
 pub mod decode;
 pub mod describe;
@@ -36,10 +36,13 @@ pub use listener::{LiveMessage, MessageListener};
 pub use map_clouds::{NamedCloud, map_clouds};
 pub use message_count::count_messages;
 pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
+pub use messages::{
+    diagnostics as diagnostics_message, flat_frame as tf_message, occupancy_grid as grid_message,
+};
 pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};
 pub use recorder::{Compression, RecordError, Recorder};
 pub use run::{END_METADATA, LEARNED, RUN_METADATA, RunInfo, RunRecorder};
-pub use schemas::{OCTETS, Schema};
+pub use schemas::{OCTETS, Schema, TF_MESSAGE};
 pub use times::Times;
 pub use topics::MotionRow;

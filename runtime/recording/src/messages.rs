@@ -141,15 +141,7 @@ pub fn twist(stamp: Stamp, twist: Twist2) -> Vec<u8> {
 }
 
 pub(super) fn header(encoder: &mut Encoder, stamp: Stamp, frame: &str) {
-    time(encoder, stamp);
-    encoder.text(frame);
-}
-
-pub(super) fn time(encoder: &mut Encoder, stamp: Stamp) {
-    let micros = stamp.as_micros();
-    encoder
-        .i32(i32::try_from(micros / 1_000_000).unwrap_or(i32::MAX))
-        .u32((micros % 1_000_000) as u32 * 1_000);
+    encoder.time(stamp).text(frame);
 }
 
 pub(super) fn quaternion_about_z(encoder: &mut Encoder, heading_rad: f32) {
@@ -252,7 +244,7 @@ pub fn odometry_in(
 pub fn occupancy_grid(stamp: Stamp, frame: &str, grid: &GridImage) -> Vec<u8> {
     let mut encoder = Encoder::new();
     header(&mut encoder, stamp, frame);
-    time(&mut encoder, stamp);
+    encoder.time(stamp);
     let height = grid.cells.len() as u32 / grid.width.max(1);
     encoder.f32(grid.resolution_m).u32(grid.width).u32(height);
     pose(&mut encoder, grid.origin);

@@ -9,6 +9,7 @@ mod bench;
 #[cfg(test)]
 mod book;
 mod check_recording;
+mod check_ros2;
 #[cfg(test)]
 mod citations;
 #[cfg(test)]
@@ -61,6 +62,8 @@ enum Command {
     Bench(bench::Options),
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
+    /// Play the robot in ROS 2 against another implementation of DDS: Cyclone DDS, or ROS 2 itself.
+    CheckRos2(check_ros2::Options),
     /// Walk through the operator's panel in a headless browser: by keyboard, touch and mouse, in five languages, judged by axe.
     PanelCheck(panel_check::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
@@ -100,6 +103,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
+        Command::CheckRos2(options) => check_ros2::run(&options),
         Command::PanelCheck(options) => panel_check::run(&options),
         Command::Targets(options) => targets::run(&options),
         Command::Package(options) => package::run(&options),

@@ -32,7 +32,7 @@ const STEPS: &[Step] = &[
     ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
     (
         "robot-program",
-        "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet -- --deny warnings",
+        "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet,ros2 -- --deny warnings",
     ),
     // The writer of the trained detector; the runtime of foreign models takes minutes to compile and is left out.
     ("detector", "clippy --quiet --package floorguard-laboratory --features detector -- --deny warnings"),
@@ -43,6 +43,7 @@ const STEPS: &[Step] = &[
     ("faults", "xtask firmware --faults few"),
     ("board", "xtask firmware --board stm32h743"),
     ("readers", "xtask check-recording --cuts 20"),
+    ("ros2", "xtask check-ros2"),
     ("firmware-faults", "xtask campaign firmware-faults --trials 4"),
     // After the firmware, whose figures it shows.
     ("audit", "xtask audit"),

@@ -7,6 +7,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum as _};
 
 use super::exit::BadInput;
+use super::ros2::{RosDomain, RosWay, ros_domain};
 use super::simulate::{conclude, pace, play, play_real};
 use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{panel_address, simulated_seconds};
@@ -48,6 +49,9 @@ pub struct DemoArguments {
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
+    /// Show the run live in ROS 2, in real time, as `simulate --ros2` does. Needs the feature `ros2`.
+    #[arg(long, value_name = "DOMAIN", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = ros_domain)]
+    pub ros2: Option<RosDomain>,
 }
 
 impl Default for DemoArguments {
@@ -62,6 +66,7 @@ impl Default for DemoArguments {
             record: None,
             robot: None,
             panel: None,
+            ros2: None,
         }
     }
 }
@@ -83,7 +88,8 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let mut sinks = RunSinks::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
     let real_io = arguments.real_io;
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, real_io, ..SinkOutputs::default() })?;
+    let ros = RosWay::of(arguments.ros2, None, &mut None)?;
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, real_io, ros, ..SinkOutputs::default() })?;
     let observation = if arguments.real_io {
         play_real((&plan, None), false, &mut sinks)?
     } else {

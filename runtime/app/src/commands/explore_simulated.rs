@@ -7,6 +7,7 @@ use floorguard_operator::telemetry::RunSinks;
 
 use super::exit::{BadInput, WrongUsage};
 use super::explore::{ExploreArguments, write};
+use super::ros2::RosWay;
 use super::simulate::{conclude, play};
 use super::sinks::{SinkOutputs, open_sinks};
 
@@ -33,7 +34,8 @@ pub(super) fn run(arguments: &ExploreArguments, scenario: &str) -> anyhow::Resul
     let plan = plan.exploring(*side)?;
     let mut sinks = RunSinks::default();
     let (record, panel, live) = (outputs.record.as_deref(), outputs.panel, outputs.live.clone());
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, live, ..SinkOutputs::default() })?;
+    let ros = RosWay::of(outputs.live.ros2, None, &mut None)?;
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, live, ros, ..SinkOutputs::default() })?;
     let observation = play(&plan, outputs.json, &mut sinks)?;
     if let Some(surveyed) = &observation.surveyed {
         write(arguments, surveyed)?;

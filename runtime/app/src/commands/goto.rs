@@ -83,7 +83,7 @@ pub(super) fn navigation_of(
             let section = section.ok_or_else(missing).map_err(refuse)?;
             NavigationPlan::of_configuration(section, folder, goal)
         }
-        Errand::Fleet => {
+        Errand::Ordered => {
             let section = section.ok_or_else(missing).map_err(refuse)?;
             let [x_m, y_m, heading_rad] = section.start;
             NavigationPlan::of_configuration(section, folder, Pose2::new(x_m, y_m, heading_rad))
@@ -97,7 +97,7 @@ pub(super) fn navigation_of(
         }
     };
     let plan = plan.map_err(refuse)?;
-    let orders = matches!(errand, Errand::Fleet).then(DriveOrders::default);
+    let orders = matches!(errand, Errand::Ordered).then(DriveOrders::default);
     let setup = NavigationSetup::new(plan).ordered_by(orders);
     setup.begin(&configuration.robot).map_err(refuse)?;
     Ok(Some(setup))

@@ -1,10 +1,11 @@
-//! `--foxglove` and how recordings are packed: the same for every command that runs a robot.
+//! `--foxglove`, `--ros2` and how recordings are packed: the same for every command that runs a robot.
 
 use std::net::SocketAddr;
 
 use clap::{Args, ValueEnum};
 use floorguard_recording::{Compression, MessageListener};
 
+use super::ros2::{RosDomain, ros_domain};
 use super::values::panel_address;
 
 /// What is shown live, and how a recording is packed.
@@ -14,6 +15,11 @@ pub struct LiveOutputs {
     /// `ws://127.0.0.1:8765` there. Every program that reaches the address may watch. Needs the feature `foxglove`.
     #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub foxglove: Option<SocketAddr>,
+    /// Show the robot live in ROS 2, as a node that publishes /tf, /scan, /people and everything else of a recording, and takes
+    /// pause, resume and reset: `--ros2`, or in another domain `--ros2=7`. On this computer alone, unless `[ros2]` gives an address.
+    /// There is no DDS security. Needs the feature `ros2`.
+    #[arg(long, value_name = "DOMAIN", num_args = 0..=1, require_equals = true, default_missing_value = "", value_parser = ros_domain)]
+    pub ros2: Option<RosDomain>,
     /// Pack the recording. A cut then costs a quarter of a second. Needs the feature `compression`.
     #[arg(long, value_enum, default_value_t, requires = "record")]
     pub record_compression: RecordCompression,

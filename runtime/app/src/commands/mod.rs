@@ -36,6 +36,7 @@ mod mission_table;
 mod mission_verdict;
 mod panel;
 mod report;
+mod ros2;
 mod run;
 mod run_begin;
 #[cfg(feature = "laboratory")]

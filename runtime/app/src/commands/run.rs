@@ -24,10 +24,11 @@ use super::live_camera::LiveCamera;
 use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
+use super::ros2::{RosEnds, RosWay};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::values::{panel_address, seconds};
 use crate::window::leave_window;
-use floorguard_configuration::{HostedConfiguration, load};
+use floorguard_configuration::{CommandConfiguration, HostedConfiguration, load};
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_host::words::counted;
 use floorguard_operator::report::make_folder;
@@ -39,7 +40,7 @@ use floorguard_robot::camera::open_source;
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::LearningSetup;
-use floorguard_robot::navigator::{NavigationPlan, NavigationSetup};
+use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings, NavigationSetup};
 use floorguard_types::geometry::Pose2;
 
 /// Stands in the recording of a robot without an inertial sensor.
@@ -119,8 +120,8 @@ fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<Wi
 pub(super) enum Errand {
     /// To drive there.
     Goal(Pose2),
-    /// To drive where a fleet's master orders.
-    Fleet,
+    /// To drive where somebody outside orders.
+    Ordered,
     /// To map a square of this side around the start, metres.
     Explore { side_m: f32 },
 }
@@ -146,11 +147,12 @@ pub(super) fn run_to(
     arguments: &RunArguments,
     errand: Option<Errand>,
 ) -> anyhow::Result<Option<NavigationSetup>> {
-    let configuration = load(&arguments.file)?;
+    let mut configuration = load(&arguments.file)?;
     refuse_unaccepted(&arguments.file, &configuration)?;
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
+    let (ros, driver) = ros_way(arguments, &mut configuration)?;
     let mut links = bind_links(&configuration)?;
     let (window_links, window) = bind_window(&configuration)?;
     let began = clock::now();
@@ -158,7 +160,7 @@ pub(super) fn run_to(
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
     end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
-    introduce(&arguments.file, &configuration);
+    introduce(&arguments.file, &configuration, driver.as_deref());
     if let Some(folder) = &arguments.outputs.black_box {
         make_folder(folder)?;
     }
@@ -167,15 +169,16 @@ pub(super) fn run_to(
     watch.learner = learner_of(arguments, &configuration)?;
     let learning = learning_of((arguments, folder), &configuration)?;
     watch.learned = learning.as_ref().map(LearningSetup::writer);
-    let errand = errand.or_else(|| configuration.fleet.as_ref().map(|_| Errand::Fleet));
+    let errand = errand.or_else(|| takes_orders(&configuration).then_some(Errand::Ordered));
     let navigation = navigation_of((&arguments.file, folder), &configuration, errand)?;
     let mission = if navigation.is_some() { None } else { mission_of((arguments, folder), &configuration)? };
     let reported = Reported {
         mission: mission.as_ref().map(|mission| &mission.plan),
         navigation: navigation.as_ref().map(|drive| &drive.plan),
         learning: learning.as_ref(),
+        ros: ros.open(navigation.as_ref().and_then(orders_of))?,
     };
-    let mut sinks = open_sinks(arguments, &configuration, &reported)?;
+    let mut sinks = open_sinks(arguments, &configuration, reported)?;
     join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref())?;
     watch.drive = navigation.clone().map(WatchedDrive::new);
     links.navigation.clone_from(&navigation);
@@ -219,11 +222,11 @@ fn finish(watch: &mut Watch<'_>, window: &WindowWatch, folder: Option<&Path>) ->
 }
 
 /// How to operate it, what this robot does without, and who drives it.
-fn introduce(file: &Path, configuration: &HostedConfiguration) {
+fn introduce(file: &Path, configuration: &HostedConfiguration, driver: Option<&str>) {
     say!("floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts", file.display());
     say_absences(configuration);
-    if let Some(command) = &configuration.command {
-        say!("  driven from outside: {}", command.in_words());
+    if let Some(driver) = driver {
+        say!("  driven from outside: {driver}");
     }
 }
 
@@ -234,18 +237,39 @@ fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
 }
 
-/// What a recording says of the run.
+/// What a recording says of the run, and ROS 2 where it hears it.
 struct Reported<'a> {
     mission: Option<&'a MissionPlan>,
     navigation: Option<&'a NavigationPlan>,
     learning: Option<&'a LearningSetup>,
+    ros: Option<RosEnds>,
+}
+
+/// The bridge to ROS 2 that is asked for, and who drives from outside, in words.
+fn ros_way(
+    arguments: &RunArguments,
+    configuration: &mut HostedConfiguration,
+) -> anyhow::Result<(RosWay, Option<String>)> {
+    let driver = configuration.command.as_ref().map(CommandConfiguration::in_words);
+    let asked = arguments.outputs.live.ros2;
+    Ok((RosWay::of(asked, configuration.ros2.as_ref(), &mut configuration.command)?, driver))
+}
+
+/// Where a drive takes its orders, if it does.
+fn orders_of(drive: &NavigationSetup) -> Option<(DriveOrders, NavigationSettings)> {
+    Some((drive.orders.clone()?, drive.plan.settings))
+}
+
+/// Somebody outside orders where the robot drives: a fleet's master, or a program of ROS 2.
+fn takes_orders(configuration: &HostedConfiguration) -> bool {
+    configuration.fleet.is_some() || configuration.ros2.is_some_and(|section| section.goals)
 }
 
 /// A recording and a panel, where they are wanted.
 fn open_sinks(
     arguments: &RunArguments,
     configuration: &HostedConfiguration,
-    reported: &Reported<'_>,
+    reported: Reported<'_>,
 ) -> anyhow::Result<RunSinks> {
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
@@ -253,7 +277,7 @@ fn open_sinks(
     let text =
         std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
     let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-    let Reported { mission, navigation, learning } = *reported;
+    let Reported { mission, navigation, learning, ros } = reported;
     let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
     let live = &arguments.outputs.live;
     sinks.compression = live.record_compression.into();
@@ -262,6 +286,10 @@ fn open_sinks(
     }
     if let Some(listener) = live.open(&name)? {
         sinks.watch_live(&run, listener)?;
+    }
+    if let Some((listener, link)) = ros {
+        sinks.watch_live(&run, listener)?;
+        sinks.links.push(link);
     }
     if let Some(address) = arguments.outputs.panel {
         let records = Some(records_beside(&arguments.file));

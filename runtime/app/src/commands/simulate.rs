@@ -18,6 +18,7 @@ use super::fleet::fleet_broker;
 use super::live::status_of;
 use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
+use super::ros2::RosWay;
 use super::run_lesson::RunLesson;
 use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
@@ -73,9 +74,9 @@ pub struct SimulateArguments {
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long, conflicts_with = "tape")]
     pub real_io: bool,
-    /// In real time, driven from outside by velocities that come here, for example `udp:127.0.0.1:7000`, instead of the scenario's
-    /// route.
-    #[arg(long, value_name = "udp:ADDRESS:PORT", value_parser = command_address,
+    /// In real time, driven from outside by velocities that come here, for example `udp:127.0.0.1:7000`, or `ros2:/cmd_vel` with
+    /// the feature `ros2`, instead of the scenario's route.
+    #[arg(long, value_name = "udp:ADDRESS:PORT|ros2:TOPIC", value_parser = command_address,
         conflicts_with_all = ["tape", "camera", "strategy", "until_clean"])]
     pub command: Option<CommandConfiguration>,
     /// The robot's lidar.
@@ -117,6 +118,9 @@ pub struct SimulateArguments {
     /// `--fleet 127.0.0.1:1883/robot-7`. Needs the feature `fleet`.
     #[arg(long, value_name = "HOST:PORT/SERIAL", value_parser = fleet_broker, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "navigate", "command"])]
     pub fleet: Option<FleetConfiguration>,
+    /// With --ros2, drive where /goal_pose orders instead of cleaning or the route.
+    #[arg(long, requires = "ros2", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "navigate", "command", "fleet"])]
+    pub ros2_goals: bool,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -147,6 +151,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
 
 fn simulate(arguments: &SimulateArguments, record: Option<&Path>) -> anyhow::Result<()> {
     let mut plan = plan(arguments)?;
+    let ros = RosWay::of(arguments.live.ros2, None, &mut plan.command)?;
     let real_io = arguments.real_io || plan.command.is_some();
     if arguments.tape.is_some() {
         plan.stages = Stages::AsOnBoard;
@@ -165,7 +170,7 @@ fn simulate(arguments: &SimulateArguments, record: Option<&Path>) -> anyhow::Res
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (panel, panel_records) = (arguments.panel, arguments.panel_records.clone());
     let (live, fleet) = (arguments.live.clone(), arguments.fleet.clone());
-    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, live, fleet, real_io })?;
+    open_sinks(&mut sinks, &plan, SinkOutputs { record, panel, panel_records, live, fleet, ros, real_io })?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
@@ -216,10 +221,10 @@ fn repeat(arguments: &SimulateArguments) -> String {
     if let Some(robot) = &arguments.robot {
         option("robot", &robot.display().to_string());
     }
-    if let Some(CommandAddress::Datagrams(address)) =
-        arguments.command.as_ref().map(|command| &command.address)
-    {
-        option("command", &format!("udp:{}", address.local));
+    match arguments.command.as_ref().map(|command| &command.address) {
+        Some(CommandAddress::Datagrams(address)) => option("command", &format!("udp:{}", address.local)),
+        Some(CommandAddress::Ros(topic)) => option("command", &format!("ros2:{}", topic.name)),
+        Some(CommandAddress::Serial(_)) | None => {}
     }
     arguments.fault.iter().for_each(|fault| option("fault", fault));
     arguments.emergency_stop.iter().for_each(|span| option("emergency-stop", span));
@@ -227,6 +232,7 @@ fn repeat(arguments: &SimulateArguments) -> String {
         (" --until-clean", arguments.until_clean),
         (" --camera", arguments.camera),
         (" --real-io", arguments.real_io),
+        (" --ros2-goals", arguments.ros2_goals),
     ];
     for (name, wanted) in switches {
         words.push_str(if wanted { name } else { "" });
@@ -254,7 +260,7 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
     }
     plan.command.clone_from(&arguments.command);
-    if arguments.fleet.is_some() {
+    if arguments.fleet.is_some() || arguments.ros2_goals {
         plan = plan.ordered()?;
     } else if let Some(goal) = arguments.navigate {
         if let Some(planner) = arguments.planner {

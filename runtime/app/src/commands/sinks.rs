@@ -7,12 +7,13 @@ use super::fleet::{FleetOpening, join};
 use super::interrupt::end_at_ctrl_c;
 use super::live_outputs::LiveOutputs;
 use super::panel::{PanelOpening, open_panel};
+use super::ros2::RosWay;
 use floorguard_configuration::{FleetConfiguration, parse_recorded};
 use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time, watch_plan};
 use floorguard_operator::telemetry::RunSinks;
 
 /// What is written and shown of a simulated run.
-#[derive(Clone, Debug, Default)]
+#[derive(Default)]
 pub(super) struct SinkOutputs<'a> {
     /// The recording.
     pub record: Option<&'a Path>,
@@ -24,13 +25,15 @@ pub(super) struct SinkOutputs<'a> {
     pub live: LiveOutputs,
     /// The fleet that the robot belongs to.
     pub fleet: Option<FleetConfiguration>,
+    /// The bridge to ROS 2.
+    pub ros: RosWay,
     /// The run is in real time over real lines.
     pub real_io: bool,
 }
 
 /// A recording and a panel, where they are wanted.
 pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs<'_>) -> anyhow::Result<()> {
-    let SinkOutputs { record, panel, panel_records, live, fleet, real_io } = outputs;
+    let SinkOutputs { record, panel, panel_records, live, fleet, ros, real_io } = outputs;
     sinks.compression = live.record_compression.into();
     match record {
         Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
@@ -40,8 +43,13 @@ pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs
     if let Some(listener) = live.open(&plan.scenario.title)? {
         watch_plan(sinks, plan, listener)?;
     }
+    let settings = plan.navigation_settings;
+    if let Some((listener, link)) = ros.open(plan.drive_orders.clone().map(|orders| (orders, settings)))? {
+        watch_plan(sinks, plan, listener)?;
+        sinks.links.push(link);
+    }
     if let (Some(fleet), Some(orders)) = (&fleet, plan.drive_orders.clone()) {
-        let (robot, settings) = (&plan.robot, plan.navigation_settings);
+        let robot = &plan.robot;
         sinks.links.push(join(FleetOpening { fleet, folder: None, robot, settings, orders })?);
     }
     end_at_ctrl_c(&sinks.ended, "the run ends here")?;

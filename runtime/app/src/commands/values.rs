@@ -3,7 +3,7 @@
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
 #[cfg(any(test, feature = "laboratory"))]
-use floorguard_configuration::CommandConfiguration;
+use floorguard_configuration::{CommandConfiguration, RosTopic};
 #[cfg(any(test, feature = "laboratory"))]
 use floorguard_types::geometry::Pose2;
 
@@ -55,8 +55,12 @@ pub(super) fn side_m(text: &str) -> Result<f32, String> {
 #[cfg(any(test, feature = "laboratory"))]
 pub(super) fn command_address(text: &str) -> Result<CommandConfiguration, String> {
     let address = text.strip_prefix("udp:").and_then(|address| address.parse().ok());
-    let address = address.ok_or("write udp:ADDRESS:PORT, for example udp:127.0.0.1:7000")?;
-    Ok(CommandConfiguration::on_port(address))
+    let port = address.map(CommandConfiguration::on_port);
+    let topic = || RosTopic::parse(text).map(CommandConfiguration::on_topic);
+    let command = port.or_else(topic);
+    command.ok_or_else(|| {
+        "write udp:ADDRESS:PORT or ros2:TOPIC, for example udp:127.0.0.1:7000 or ros2:/cmd_vel".to_owned()
+    })
 }
 
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.

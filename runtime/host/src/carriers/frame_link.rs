@@ -106,6 +106,10 @@ impl BoundFrames {
                 Self::bind("command", address, configuration.subscribers.clone())
             }
             CommandAddress::Serial(line) => Ok(Self::Line(line.clone())),
+            CommandAddress::Ros(topic) => {
+                let missing = format!("[command] ros2:{}: no bridge to ROS 2 is open", topic.name);
+                Err(io::Error::new(io::ErrorKind::Unsupported, missing))
+            }
         }
     }
 
