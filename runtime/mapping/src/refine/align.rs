@@ -54,7 +54,7 @@ impl Default for AlignConfig {
     }
 }
 
-/// What a pair of scans said when it was last matched.
+/// The terms of a pair of scans when it was last matched.
 struct Matched {
     round: AlignRound,
     poses: [Se2; 2],
