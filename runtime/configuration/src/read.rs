@@ -183,6 +183,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
+    let motors = base.motors(&can);
     let (imu, imu_address) = fitted(sensors.imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
@@ -197,6 +198,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             rear_scanner,
             imu,
             can,
+            motors,
             fields,
             route,
             route_limits,
