@@ -40,7 +40,7 @@ const WATCHDOG_ACTED: u16 = 0xFF06;
 /// let mut base = MotorDrives::new(MotorDrivesConfiguration::default());
 /// let mut identifiers = Vec::new();
 /// base.poll(Stamp::ZERO, &mut |_| {}, &mut |frame| identifiers.extend(frame.standard_id()));
-/// // No axis was heard yet: both are told to be without torque (axes 1 and 2, message 07h).
+/// // No axis was heard yet: both are commanded to be without torque (axes 1 and 2, message 07h).
 /// assert_eq!((identifiers, base.is_complete()), (vec![0x027, 0x047], false));
 /// ```
 #[derive(Clone, Debug)]
@@ -104,7 +104,7 @@ impl MotorDrives {
         }
     }
 
-    /// What all wheels have said since the last report: counts, or else speeds; the other with the next frame.
+    /// What all wheels have reported since the last report: counts, or else speeds; the other with the next frame.
     fn report(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
         let (bus, wheels) = (self.configuration, self.configuration.wheel_count());
         if self.wheels.iter().take(wheels).all(|wheel| wheel.has_new_count) {

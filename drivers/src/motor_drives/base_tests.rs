@@ -24,7 +24,7 @@ struct Axis {
     speed: f32,
     fed_ms: u64,
     watchdog_ms: u64,
-    /// It turns on whatever it is told.
+    /// It turns on whatever it is commanded.
     is_stuck: bool,
 }
 
@@ -195,7 +195,7 @@ fn what_left_operation_waits_for_reset() {
     }
 }
 
-/// An axis that stays armed and turns on, whatever it is told, gets its emergency stop.
+/// An axis that stays armed and turns on, whatever it is commanded, gets its emergency stop.
 #[test]
 fn axis_that_does_not_obey_is_stopped_otherwise() {
     let mut bench = driving(true);

@@ -1,4 +1,4 @@
-//! A base whose wheels have motor controllers that are none of CiA 402: ODrive or VESC on a CAN bus, Roboteq or a wheel line on a serial
+//! A base whose wheels have motor controllers other than CiA 402 drives: ODrive or VESC on a CAN bus, Roboteq or a wheel line on a serial
 //! one (book, Motor controllers).
 //!
 //! One master for all: it leads the wheels to their speeds together, as [`wheel_drives`](crate::wheel_drives) does, and does not drive

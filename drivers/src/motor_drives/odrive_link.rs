@@ -69,7 +69,7 @@ impl OdriveLink {
             let mut tell = |order: OdriveOrder| send(&order.frame(*node));
             match wheel.condition {
                 Condition::On if order.operate => tell(OdriveOrder::Speed(speed_mps / bus.travel_m(index))),
-                // What is not known to be without torque is told so.
+                // What is not known to be without torque is commanded so.
                 Condition::On | Condition::Unknown => tell(OdriveOrder::Idle),
                 Condition::Expired if asks && (order.operate || order.reset) => {
                     tell(OdriveOrder::ClearErrors)

@@ -112,7 +112,7 @@ impl OdriveMessage {
     }
 }
 
-/// What an axis is told.
+/// What an axis is commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OdriveOrder {
     /// `Estop`, 02h: no torque at once, and an error until it is cleared.

@@ -12,7 +12,7 @@ pub const COMMAND_BYTES_MAX: usize = 24;
 /// Bit of the fault flags: the emergency stop holds the power stage off.
 pub const EMERGENCY_STOPPED: u16 = 0x10;
 
-/// What a controller of two channels is told or asked.
+/// What a controller of two channels is commanded or asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RoboteqOrder {
     /// `!S`: a channel is to turn at a speed, revolutions a minute.

@@ -109,7 +109,7 @@ impl VescMessage {
     }
 }
 
-/// What a controller is told.
+/// What a controller is commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VescOrder {
     /// `CAN_PACKET_SET_CURRENT`, 1: amperes; 0 lets the motor run free.

@@ -1,4 +1,4 @@
-//! Motor controllers that are none of CiA 402, as their makers describe them: their wires, their watchdogs (book, Motor controllers).
+//! Motor controllers other than CiA 402 drives, as their makers describe them: their wires, their watchdogs (book, Motor controllers).
 //! Written from those documents; nothing of the robot's own codecs is used.
 
 mod bank;

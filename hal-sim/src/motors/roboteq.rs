@@ -102,14 +102,14 @@ mod tests {
     #[test]
     fn answers_and_stops_after_silence() {
         let mut controller = RoboteqController::default();
-        let said = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-        assert_eq!(said(controller.receive(b"^RWD 200\r~RW", 0)), "^RWD 200\r+\r");
-        assert_eq!(said(controller.receive(b"D\r!S 2 -120\r", 0)), "~RWD\rRWD=200\r!S 2 -120\r+\r");
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        assert_eq!(text(controller.receive(b"^RWD 200\r~RW", 0)), "^RWD 200\r+\r");
+        assert_eq!(text(controller.receive(b"D\r!S 2 -120\r", 0)), "~RWD\rRWD=200\r!S 2 -120\r+\r");
         controller.tick((100_000, 1.0), [Turning::default(); 4]);
         assert_eq!(controller.demands_turns_per_s(), [Some(0.0), Some(-2.0)]);
         controller.tick((201_000, 1.0), [Turning::default(); 4]);
         assert_eq!(controller.demands_turns_per_s(), [Some(0.0); 2]);
-        assert_eq!(said(controller.receive(b"!EX\r?FF\r?X\r", 0)), "!EX\r+\r?FF\rFF=16\r?X\r-\r");
+        assert_eq!(text(controller.receive(b"!EX\r?FF\r?X\r", 0)), "!EX\r+\r?FF\rFF=16\r?X\r-\r");
         assert_eq!(controller.demands_turns_per_s(), [None; 2]);
     }
 }

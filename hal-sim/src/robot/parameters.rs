@@ -128,7 +128,7 @@ pub struct RobotParameters {
     pub imu: SensorMount,
     /// CAN nodes.
     pub nodes: NodeIds,
-    /// Controllers of the wheels that are none of CiA 402.
+    /// Controllers of the wheels other than CiA 402 drives.
     pub motors: Option<MotorParameters>,
     /// The scrubbing deck.
     pub brush: BrushDeck,

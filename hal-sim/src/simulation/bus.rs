@@ -14,7 +14,7 @@ enum Drives {
     Steered { traction: Box<Drive>, steering: Box<Drive>, encoders: [Encoder; 2] },
     /// A drive on each wheel, with an encoder of its own.
     Wheels(Vec<Drive>),
-    /// Controllers that are none of CiA 402.
+    /// Controllers other than CiA 402 drives.
     Motors(Box<MotorBank>),
 }
 

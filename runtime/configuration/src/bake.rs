@@ -59,7 +59,7 @@ pub fn bake(robot: &RobotConfiguration) -> String {
             format!("Some(ImuConfiguration {{ mounting: {} }})", mounting(&imu.mounting))
         }),
     );
-    // Motor controllers that are none of CiA 402 belong to bases that a board refuses.
+    // Motor controllers other than CiA 402 drives belong to bases that a board refuses.
     line("motors", "None".to_owned());
     line("can", can(robot));
     let fields: Vec<String> = robot.fields.iter().map(field).collect();

@@ -67,7 +67,7 @@ pub(super) struct BaseSection {
     steering_max_rad: f32,
     /// Of the controller; `None`: wrong.
     address: Option<BaseAddress>,
-    /// Controllers that are none of CiA 402.
+    /// Controllers other than CiA 402 drives.
     motors: Option<Motors>,
 }
 
@@ -167,7 +167,7 @@ impl BaseSection {
         is_there.then_some((geometry, train))
     }
 
-    /// The controllers of a robot whose drives are none of CiA 402, with their numbers on the bus.
+    /// The controllers of a robot whose drives are other than CiA 402, with their numbers on the bus.
     pub fn motors(&self, can: &CanConfiguration) -> Option<MotorDrivesConfiguration> {
         let motors = self.motors.as_ref()?.configuration;
         let is_on_bus = !motors.protocol.is_serial();

@@ -208,7 +208,7 @@ fn wheel_keys(wheels: Wheels) -> &'static [&'static str] {
     }
 }
 
-/// A bus of motor controllers that are none of CiA 402; a gateway may be on it, too.
+/// A bus of motor controllers other than CiA 402 drives; a gateway may be on it, too.
 pub(super) fn read_motor_bus(
     section: Reader<'_>,
     wheels: Wheels,

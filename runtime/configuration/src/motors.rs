@@ -1,4 +1,4 @@
-//! Controllers of the wheels that are none of CiA 402: what `[base]` says of them (book, Motor controllers).
+//! Controllers of the wheels other than CiA 402 drives: what `[base]` says of them (book, Motor controllers).
 
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 

@@ -179,12 +179,10 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
     finish(top, &sensors, drives.as_ref(), command.as_ref());
-    let (lidar, lidar_address) = fitted(sensors.lidar)?;
+    let ((lidar, lidar_address), (imu, imu_address)) = (fitted(sensors.lidar)?, fitted(sensors.imu)?);
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
-    let motors = base.motors(&can);
-    let (imu, imu_address) = fitted(sensors.imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
@@ -198,7 +196,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             rear_scanner,
             imu,
             can,
-            motors,
+            motors: base.motors(&can),
             fields,
             route,
             route_limits,

@@ -51,7 +51,7 @@ const WHEELS: [(&str, &str); 3] = [
     ),
 ];
 
-/// Motor controllers that are none of CiA 402: on a bus, and on a line.
+/// Motor controllers other than CiA 402 drives: on a bus, and on a line.
 const MOTORS: [&str; 2] = [
     "kind = \"differential\"\ndrives = \"vesc\"\nmetres_per_turn = 0.05\npole_pairs = 7\nreversed = \"right\"\nbrakes = true\n",
     "kind = \"differential\"\ndrives = \"roboteq\"\nmetres_per_turn = 0.02\ncounts_per_turn = 2000\nreversed = \"none\"\nsource = \

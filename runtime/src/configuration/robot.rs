@@ -124,7 +124,7 @@ pub struct RobotConfiguration {
     pub imu: Option<ImuConfiguration>,
     /// Drive, encoders and inputs.
     pub can: CanConfiguration,
-    /// Controllers of the wheels that are none of CiA 402; then of [`Self::can`] only the gateway counts, if there is one.
+    /// Controllers of the wheels other than CiA 402 drives; then of [`Self::can`] only the gateway counts, if there is one.
     pub motors: Option<MotorDrivesConfiguration>,
     /// Protective and warning fields, by direction and rising speed.
     pub fields: Vec<FieldPair, FIELD_SETS_MAX>,

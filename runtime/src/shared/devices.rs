@@ -28,7 +28,7 @@ pub struct DeviceReport {
     pub phase: NodePhase,
     /// Why it refused last.
     pub failure: Option<ConfigurationFailure>,
-    /// It is a motor controller that is none of CiA 402: what it shows is its watchdog.
+    /// It is a motor controller other than a CiA 402 drive: what it shows is its watchdog.
     pub is_motor: bool,
 }
 
@@ -54,7 +54,7 @@ impl BusReport {
         Self::named(names, base.devices())
     }
 
-    /// Of a base with motor controllers that are none of CiA 402: one is operational when its watchdog is known.
+    /// Of a base with motor controllers other than CiA 402 drives: one is operational when its watchdog is known.
     #[must_use]
     pub fn of_motors(base: &MotorDrives) -> Self {
         let mut devices = [None; DEVICES_MAX];

@@ -11,7 +11,7 @@ const ENABLE_OPERATION: u8 = 0x0F;
 pub(super) struct WheelTargets {
     /// Identifiers of the frames; none where a node number is 0.
     ids: [Option<u16>; 4],
-    /// Controllers that are none of CiA 402.
+    /// Controllers other than CiA 402 drives.
     motors: Option<MotorDrivesConfiguration>,
     /// What has come of a line of theirs.
     line: String,
