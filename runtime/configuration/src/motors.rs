@@ -3,9 +3,9 @@
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 
 use super::address::SerialAddress;
-use super::base::Wheels;
 use super::devices::read_serial;
 use super::reader::Reader;
+use super::wheels::Wheels;
 
 /// As `drives` names them; CiA 402 drives are none of these.
 pub(super) const PROTOCOLS: [(&str, Option<MotorProtocol>); 5] = [
