@@ -223,7 +223,7 @@ fn verdict(robot: &Robot, master: &Master) -> (u64, u64) {
     let (mut done, mut refused) = (0, 0);
     let last = format!("order {}", master.orders);
     for (name, fate) in master.fates.iter().filter(|(name, _)| **name != last) {
-        assert!(fate.is_taken != !fate.refusals.is_empty(), "{name}: {fate:?}");
+        assert!(fate.is_taken == fate.refusals.is_empty(), "{name}: {fate:?}");
         done += u64::from(fate.is_taken);
         refused += u64::from(!fate.is_taken);
     }
