@@ -31,13 +31,19 @@ pub mod flexisoft;
 pub mod hesai;
 pub mod lidar;
 pub mod microscan3;
+pub mod motor_drives;
+pub mod odrive;
+pub mod roboteq;
 pub mod s300;
 pub mod scan_motor;
 pub mod scip;
+pub mod text_lines;
 pub mod three_wheel_base;
 pub mod velocity_link;
 pub mod velodyne;
+pub mod vesc;
 pub mod wheel_drives;
+pub mod wheel_line;
 pub mod xsens;
 
 #[cfg(test)]

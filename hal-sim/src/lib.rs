@@ -11,6 +11,7 @@ pub mod dirt;
 pub mod faults;
 pub mod floor;
 pub mod hazards;
+pub mod motors;
 pub mod people;
 pub mod robot;
 pub mod scenario;

@@ -4,6 +4,7 @@
 use floorguard_drivers::can::CanFrame;
 
 use crate::shared::{PeopleReport, RobotStatus};
+use crate::tape::frame_identifier;
 
 /// FNV-1a, 64 bits (Fowler, Noll, Vo): offset basis and prime of the published algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +50,7 @@ impl OutputDigest {
     /// A frame of the robot on the bus.
     pub fn on_frame(&mut self, frame: &CanFrame, now_us: u64) {
         self.frames.add(&now_us.to_le_bytes());
-        self.frames.add(&frame.standard_id().unwrap_or(u16::MAX).to_le_bytes());
+        self.frames.add(&frame_identifier(frame).unwrap_or(u16::MAX).to_le_bytes());
         self.frames.add(frame.payload());
         self.count(0);
     }

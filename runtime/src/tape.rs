@@ -7,6 +7,7 @@
 //! arrival, `u16` line, `u16` length, the bytes, and zeros up to a multiple of 4. The first record with line 0xFFFF
 //! ends it.
 
+use floorguard_drivers::can::CanFrame;
 use floorguard_types::geometry::Point2;
 
 use crate::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
@@ -19,6 +20,25 @@ pub const TAPE_END: u16 = u16::MAX;
 pub const TAPE_HEADER_BYTES: usize = 16;
 /// In front of the bytes of a record.
 pub const TAPE_RECORD_BYTES: usize = 20;
+
+/// Marks an identifier of 29 bits, of which fifteen are kept: no device of ours uses more.
+const EXTENDED: u16 = 0x8000;
+
+/// Identifier of a frame as tapes and recordings hold it; none for one that they cannot hold.
+#[must_use]
+pub fn frame_identifier(frame: &CanFrame) -> Option<u16> {
+    let extended = || u16::try_from(frame.extended_id()?).ok().filter(|id| *id < EXTENDED);
+    frame.standard_id().or_else(|| extended().map(|id| id | EXTENDED))
+}
+
+/// The frame of an identifier that a tape or a recording holds.
+#[must_use]
+pub fn frame_of(identifier: u16, payload: &[u8]) -> CanFrame {
+    let extended =
+        || CanFrame::extended(u32::from(identifier & !EXTENDED), payload.get(..8).unwrap_or(payload));
+    let is_extended = identifier & EXTENDED != 0;
+    is_extended.then(extended).flatten().unwrap_or_else(|| CanFrame::standard(identifier, payload))
+}
 
 /// Where a record belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -49,6 +49,15 @@ impl CanFrame {
         }
     }
 
+    /// The 29-bit identifier of a data frame; `None` for anything else.
+    #[must_use]
+    pub fn extended_id(&self) -> Option<u32> {
+        match self.id {
+            Id::Extended(id) if !self.remote => Some(id.as_raw()),
+            _ => None,
+        }
+    }
+
     /// The data bytes in use.
     #[must_use]
     pub fn payload(&self) -> &[u8] {
@@ -116,6 +125,7 @@ mod tests {
     fn extended_identifiers_are_never_taken_for_standard_ones() {
         let frame = CanFrame::extended(0x201, &[1]).unwrap();
         assert!(frame.is_extended() && frame.standard_id().is_none());
+        assert_eq!((frame.extended_id(), CanFrame::standard(1, &[]).extended_id()), (Some(0x201), None));
         assert_eq!(CanFrame::extended(0x2000_0000, &[]), None);
         assert_eq!(CanFrame::standard(0xFA01, &[]).standard_id(), Some(0x201), "higher bits are cut");
     }

@@ -6,7 +6,7 @@ use crate::canopen::Script;
 use crate::flexisoft::InputMap;
 
 /// Drives that a base has at most.
-pub(super) const WHEELS_MAX: usize = 4;
+pub(crate) const WHEELS_MAX: usize = 4;
 /// Object 1016h: the drives stop when the master is silent for this long, milliseconds.
 const MASTER_SILENT_MS: u32 = 200;
 /// Object 1017h: heartbeat of each device, milliseconds.

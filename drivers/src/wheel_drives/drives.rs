@@ -9,56 +9,16 @@ use floorguard_types::sensing::{DriveFeedback, DriveState};
 use floorguard_types::time::Stamp;
 
 use super::configuration::{WHEELS_MAX, WheelDrivesConfiguration};
+use super::sides::{SideMonitor, SideTargets};
 use crate::can::CanFrame;
 use crate::cia402::{DriveGoal, PowerState, controlword};
 use crate::three_wheel_base::StopKind;
 use crate::three_wheel_base::drives::{RESET_STEPS, Report, process_data, worse};
 
-/// Code reported where the wheels of one side do not turn alike: the base slips, or moves sideways.
-const SIDE_DISAGREEMENT: u16 = 0xFF03;
-/// Wheels of one side may differ by this, m/s, …
-const DISAGREEMENT_MPS: f32 = 0.15;
-/// … in so many reports in a row, 10 ms apart.
-const DISAGREEMENT_REPORTS: u8 = 30;
 /// A wheel that turns slower stands, m/s.
 const STANDS_MPS: f32 = 0.02;
 /// Seconds between two polls.
 const POLL_S: f32 = 0.01;
-
-/// Speeds of both sides over ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SideTargets {
-    /// Of the wheels on the left, m/s.
-    pub left_mps: f32,
-    /// Of the wheels on the right, m/s.
-    pub right_mps: f32,
-}
-
-impl SideTargets {
-    /// Speed of the faster side, m/s.
-    #[must_use]
-    pub fn fastest_mps(&self) -> f32 {
-        libm::fabsf(self.left_mps).max(libm::fabsf(self.right_mps))
-    }
-
-    fn is_finite(&self) -> bool {
-        self.left_mps.is_finite() && self.right_mps.is_finite()
-    }
-
-    /// Moves towards other speeds, both by the same share, so that the faster change takes a step of at most `step_mps`.
-    fn toward(self, wanted: Self, step_mps: f32) -> Self {
-        let change =
-            Self { left_mps: wanted.left_mps - self.left_mps, right_mps: wanted.right_mps - self.right_mps };
-        let share = (step_mps / change.fastest_mps().max(1.0e-6)).min(1.0);
-        if share >= 1.0 {
-            return wanted;
-        }
-        Self {
-            left_mps: self.left_mps + share * change.left_mps,
-            right_mps: self.right_mps + share * change.right_mps,
-        }
-    }
-}
 
 /// What the wheels are to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,8 +45,7 @@ pub(super) struct WheelGroup {
     targets: SideTargets,
     /// Steps left of a fault reset: zero, then the edge.
     reset_steps: u8,
-    reports_in_disagreement: u8,
-    disagrees: bool,
+    sides: SideMonitor,
 }
 
 impl WheelGroup {
@@ -114,54 +73,22 @@ impl WheelGroup {
             return Ok(None);
         }
         self.reports.iter_mut().for_each(|report| report.fresh = false);
-        self.compare_sides();
-        let sides = self.measured();
-        let across_mps = (sides.right_mps - sides.left_mps) / bus.track_m.max(1.0e-3) * bus.lever_m;
-        let forward_mps = 0.5 * (sides.left_mps + sides.right_mps);
-        Ok(Some(DriveFeedback {
-            stamp: now,
-            state: self.state(),
-            wheel_speed_mps: libm::hypotf(forward_mps, across_mps),
-            steering_rad: libm::atan2f(across_mps, forward_mps),
-        }))
+        let speeds_mps = [0, 1, 2, 3].map(|wheel| self.wheel_mps(wheel));
+        self.sides.watch(speeds_mps, self.wheels);
+        let sides = SideTargets::measured(speeds_mps, self.wheels);
+        Ok(Some(sides.feedback((now, self.state()), (bus.track_m, bus.lever_m))))
     }
 
     /// The worst of all drives.
     fn state(&self) -> DriveState {
-        if self.disagrees {
-            return DriveState::Fault(SIDE_DISAGREEMENT);
+        if let Some(code) = self.sides.fault() {
+            return DriveState::Fault(code);
         }
         self.reports().fold(DriveState::Enabled, |state, report| worse(state, report.drive_state()))
     }
 
     fn wheel_mps(&self, wheel: usize) -> f32 {
         self.reports.get(wheel).map_or(0.0, |report| nearest_f32(report.value) * 1.0e-3)
-    }
-
-    /// Mean of the wheels of each side.
-    fn measured(&self) -> SideTargets {
-        let [front_left, front_right, rear_left, rear_right] =
-            [0, 1, 2, 3].map(|wheel| self.wheel_mps(wheel));
-        match self.wheels {
-            WHEELS_MAX => SideTargets {
-                left_mps: 0.5 * (front_left + rear_left),
-                right_mps: 0.5 * (front_right + rear_right),
-            },
-            _ => SideTargets { left_mps: front_left, right_mps: front_right },
-        }
-    }
-
-    /// Four wheels that move a base forward and turn it are alike on each side; else it moves sideways, or a wheel slips
-    /// (FG-REQ-082).
-    fn compare_sides(&mut self) {
-        if self.wheels < WHEELS_MAX {
-            return;
-        }
-        let gap_mps = |front, rear| libm::fabsf(self.wheel_mps(front) - self.wheel_mps(rear));
-        let is_apart = gap_mps(0, 2).max(gap_mps(1, 3)) > DISAGREEMENT_MPS;
-        self.reports_in_disagreement =
-            if is_apart { self.reports_in_disagreement.saturating_add(1) } else { 0 };
-        self.disagrees |= self.reports_in_disagreement >= DISAGREEMENT_REPORTS;
     }
 
     /// Speed of the fastest wheel as last reported, m/s; none before all are heard.
@@ -204,7 +131,7 @@ impl WheelGroup {
     /// The operator asked to leave the fault state.
     pub fn reset_faults(&mut self) {
         self.reset_steps = RESET_STEPS;
-        (self.disagrees, self.reports_in_disagreement) = (false, 0);
+        self.sides = SideMonitor::default();
         for report in &mut self.reports {
             (report.left_operation, report.operated) = (false, false);
         }

@@ -2,12 +2,14 @@
 //! drives, an omnidirectional one with four (book, CANopen: Wheel drives).
 
 mod base;
-mod configuration;
+pub(crate) mod configuration;
 mod drives;
+pub(crate) mod sides;
 
 pub use base::WheelDrives;
 pub use configuration::WheelDrivesConfiguration;
-pub use drives::{SideTargets, WheelCommand};
+pub use drives::WheelCommand;
+pub use sides::SideTargets;
 
 #[cfg(test)]
 mod base_tests;

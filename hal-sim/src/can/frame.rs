@@ -24,6 +24,12 @@ impl CanFrame {
         Self { id, extended: false, len: payload.len().min(8) as u8, data }
     }
 
+    /// A frame with 29 bits of identifier; more than eight bytes are cut.
+    #[must_use]
+    pub fn extended(id: u32, payload: &[u8]) -> Self {
+        Self { extended: true, ..Self::new(id, payload) }
+    }
+
     /// The data bytes in use.
     #[must_use]
     pub fn payload(&self) -> &[u8] {

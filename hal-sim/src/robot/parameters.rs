@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
+use crate::motors::MotorParameters;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,7 @@ pub struct NodeIds {
     /// Drives of the wheels of a base without a steered one: left and right, or front left, front right, rear left, rear right; 0
     /// where there is none.
     pub wheels: [u8; 4],
-    /// Gateway of the safety controller.
+    /// Gateway of the safety controller; 0: there is none.
     pub gateway: u8,
     /// Dirt sensor.
     pub dirt_sensor: u8,
@@ -127,6 +128,8 @@ pub struct RobotParameters {
     pub imu: SensorMount,
     /// CAN nodes.
     pub nodes: NodeIds,
+    /// Controllers of the wheels other than CiA 402 drives.
+    pub motors: Option<MotorParameters>,
     /// The scrubbing deck.
     pub brush: BrushDeck,
 }
@@ -179,6 +182,7 @@ impl Default for RobotParameters {
                 gateway: 5,
                 dirt_sensor: 6,
             },
+            motors: None,
             brush: BrushDeck { width_m: 0.65, offset_m: 0.25 },
         }
     }

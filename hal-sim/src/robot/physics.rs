@@ -143,6 +143,12 @@ impl RobotBody {
         })
     }
 
+    /// Metres that each wheel has rolled that measures.
+    #[must_use]
+    pub const fn rolled_m(&self) -> [f64; 4] {
+        self.rolled_m
+    }
+
     /// Encoder counts per metre.
     #[must_use]
     pub const fn ticks_per_m(&self) -> f32 {

@@ -1,7 +1,11 @@
 //! Everything on the CAN bus and how it moves the robot.
 
 use crate::can::{CanFrame, Drive, DriveKind, Encoder, Gateway, MeasuredMotion, SafetyChannels};
-use crate::robot::{BrakeLaw, NodeIds, RobotBody, Train};
+use crate::motors::MotorBank;
+use crate::robot::{BrakeLaw, RobotBody, RobotParameters, Train};
+
+/// A byte on a serial line of motor controllers: ten bits at 115,200 baud, microseconds.
+const LINE_BYTE_US: u64 = 87;
 
 /// What moves the robot.
 #[derive(Clone, Debug)]
@@ -10,11 +14,17 @@ enum Drives {
     Steered { traction: Box<Drive>, steering: Box<Drive>, encoders: [Encoder; 2] },
     /// A drive on each wheel, with an encoder of its own.
     Wheels(Vec<Drive>),
+    /// Controllers other than CiA 402 drives.
+    Motors(Box<MotorBank>),
 }
 
 impl Drives {
-    fn new(nodes: NodeIds, train: Train) -> Self {
-        match train {
+    fn new(robot: &RobotParameters) -> Self {
+        let nodes = robot.nodes;
+        if let Some(motors) = robot.motors {
+            return Self::Motors(Box::new(MotorBank::new(motors)));
+        }
+        match robot.train {
             Train::FrontWheel | Train::RearAxle => Self::Steered {
                 traction: Box::new(Drive::new(nodes.traction, DriveKind::Traction)),
                 steering: Box::new(Drive::new(nodes.steering, DriveKind::Steering)),
@@ -32,6 +42,7 @@ impl Drives {
         match self {
             Self::Steered { traction, .. } => std::slice::from_mut(&mut **traction),
             Self::Wheels(drives) => drives,
+            Self::Motors(_) => &mut [],
         }
     }
 }
@@ -40,7 +51,7 @@ impl Drives {
 #[derive(Clone, Debug)]
 pub struct Bus {
     drives: Drives,
-    gateway: Gateway,
+    gateway: Option<Gateway>,
     /// What the switches do.
     pub channels: SafetyChannels,
     /// The bus is occupied until then.
@@ -50,10 +61,11 @@ pub struct Bus {
 impl Bus {
     /// All devices just powered.
     #[must_use]
-    pub fn new(nodes: NodeIds, train: Train) -> Self {
+    pub fn new(robot: &RobotParameters) -> Self {
+        let gateway = robot.nodes.gateway;
         Self {
-            drives: Drives::new(nodes, train),
-            gateway: Gateway::new(nodes.gateway),
+            drives: Drives::new(robot),
+            gateway: (gateway != 0).then(|| Gateway::new(gateway)),
             channels: SafetyChannels::default(),
             free_us: 0,
         }
@@ -80,6 +92,7 @@ impl Bus {
                 }
                 BrakeLaw::Wheels(wheels)
             }
+            Drives::Motors(motors) => BrakeLaw::Wheels(motors.demands_mps()),
         }
     }
 
@@ -88,7 +101,7 @@ impl Bus {
     pub fn steering_target_rad(&self) -> Option<f32> {
         match &self.drives {
             Drives::Steered { steering, .. } => steering.target_rad(),
-            Drives::Wheels(_) => None,
+            Drives::Wheels(_) | Drives::Motors(_) => None,
         }
     }
 
@@ -112,13 +125,19 @@ impl Bus {
             out.append(&mut unsent);
         }
         self.drives.traction().iter_mut().for_each(|drive| drive.receive(frame, now_us, &mut out));
-        if let Drives::Steered { steering, encoders, .. } = &mut self.drives {
-            steering.receive(frame, now_us, &mut out);
-            for encoder in encoders {
-                encoder.receive(frame, now_us, &mut out);
+        match &mut self.drives {
+            Drives::Steered { steering, encoders, .. } => {
+                steering.receive(frame, now_us, &mut out);
+                for encoder in encoders {
+                    encoder.receive(frame, now_us, &mut out);
+                }
             }
+            Drives::Wheels(_) => {}
+            Drives::Motors(motors) => motors.receive(frame, now_us, &mut out),
         }
-        self.gateway.receive(frame, now_us, &mut out);
+        if let Some(gateway) = &mut self.gateway {
+            gateway.receive(frame, now_us, &mut out);
+        }
         out
     }
 
@@ -135,6 +154,7 @@ impl Bus {
             Drives::Wheels(drives) => {
                 drives.iter_mut().zip(counts).for_each(|(drive, counts)| drive.place(counts));
             }
+            Drives::Motors(_) => {}
         }
     }
 
@@ -144,6 +164,9 @@ impl Bus {
         if self.power_cut() {
             let powered = self.drives.traction().iter_mut().filter(|drive| drive.powered());
             powered.for_each(|drive| drive.fail(0x5441, &mut out));
+            if let Drives::Motors(motors) = &mut self.drives {
+                motors.cut_power();
+            }
         }
         match &mut self.drives {
             Drives::Steered { traction, steering, .. } => {
@@ -159,15 +182,25 @@ impl Bus {
                     drive.tick(now_us, step_s, measured, &mut out);
                 }
             }
+            Drives::Motors(motors) => {
+                motors.tick((now_us, step_s), (body.rims_mps(), body.rolled_m()), &mut out);
+            }
         }
         self.measure(now_us, body, 0.0, &mut out);
-        self.gateway.tick(now_us, self.channels, &mut out);
+        if let Some(gateway) = &mut self.gateway {
+            gateway.tick(now_us, self.channels, &mut out);
+        }
         out
     }
 
     /// When a frame that is ready now has crossed the bus.
     pub fn arrival_us(&mut self, now_us: u64, frame: &CanFrame) -> u64 {
-        self.free_us = self.free_us.max(now_us) + frame.duration_us();
+        let is_line = match &self.drives {
+            Drives::Motors(motors) => motors.parameters().kind.is_serial(),
+            Drives::Steered { .. } | Drives::Wheels(_) => false,
+        };
+        let duration_us = if is_line { u64::from(frame.len) * LINE_BYTE_US } else { frame.duration_us() };
+        self.free_us = self.free_us.max(now_us) + duration_us;
         self.free_us
     }
 }

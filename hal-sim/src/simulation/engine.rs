@@ -89,7 +89,7 @@ impl Simulation {
             scene,
             crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
-            bus: Bus::new(parameters.nodes, parameters.train),
+            bus: Bus::new(&parameters),
             lidar: LidarSensor::of(parameters.lidar_device, seed),
             scanner: Scanner::of(parameters.scanner_device, seed),
             rear_scanner: parameters.rear_scanner.map(|_| Scanner::at_rear(seed)),

@@ -32,7 +32,7 @@ pub fn absences(configuration: &HostedConfiguration) -> Vec<Absence> {
              noticed",
         ),
         (
-            is_base,
+            is_base || robot.can.inputs_node == 0,
             "inputs",
             "emergency stop, bumpers and cliff sensors are not read: they must cut the drives by themselves, no stop of \
              theirs is latched or recorded, and what is too low for the scanner is met without notice",

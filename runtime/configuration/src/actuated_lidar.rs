@@ -92,6 +92,7 @@ impl ActuatedLidarConfiguration {
         let motor = match &self.motor_source {
             CanAddress::SocketCan(name) => name.clone(),
             CanAddress::Slcan(device) => device.display().to_string(),
+            CanAddress::Line(line) => line.device.display().to_string(),
         };
         let people = match self.people_source {
             Some(address) => format!("people by boxes that come to udp:{}", address.local),

@@ -72,6 +72,8 @@ pub enum CanAddress {
     SocketCan(String),
     /// A serial adapter that speaks SLCAN.
     Slcan(PathBuf),
+    /// No bus: the line of motor controllers that speak text.
+    Line(SerialAddress),
 }
 
 /// Where a base that takes velocities is.

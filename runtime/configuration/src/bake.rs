@@ -59,6 +59,8 @@ pub fn bake(robot: &RobotConfiguration) -> String {
             format!("Some(ImuConfiguration {{ mounting: {} }})", mounting(&imu.mounting))
         }),
     );
+    // Motor controllers other than CiA 402 drives belong to bases that a board refuses.
+    line("motors", "None".to_owned());
     line("can", can(robot));
     let fields: Vec<String> = robot.fields.iter().map(field).collect();
     line("fields", format!("list(&[{}])", fields.join(", ")));

@@ -4,12 +4,14 @@
 use std::net::SocketAddr;
 use std::ops::RangeInclusive;
 
+use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 use floorguard_runtime::configuration::{BaseKind, CanConfiguration, DriveTrain, Geometry};
 use floorguard_types::units::radians;
 
 use super::address::{BaseAddress, CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
-use super::devices::{read_can, read_inputs};
+use super::devices::{read_can, read_inputs, read_motor_bus};
 use super::fields::read_polygon;
+use super::motors::{Motors, PROTOCOLS, read_motors};
 use super::reader::Reader;
 use super::wheels::Wheels;
 
@@ -66,6 +68,8 @@ pub(super) struct BaseSection {
     steering_max_rad: f32,
     /// Of the controller; `None`: wrong.
     address: Option<BaseAddress>,
+    /// Controllers other than CiA 402 drives.
+    motors: Option<Motors>,
 }
 
 impl BaseSection {
@@ -74,7 +78,8 @@ impl BaseSection {
         let Some(section) = top.optional_section("base") else {
             return Self { wheels: Some(Wheels::Tricycle), ..Self::default() };
         };
-        let takes_velocities = section.find("source").is_some();
+        let protocol = section.choice_or("drives", &PROTOCOLS, None);
+        let takes_velocities = section.find("source").is_some() && protocol.is_none();
         let wheels = if takes_velocities && section.find("kind").is_none() {
             None
         } else {
@@ -84,18 +89,21 @@ impl BaseSection {
             Some(Wheels::Ackermann) => radians(section.number("steering_max_deg", 5.0..=70.0)),
             _ => 0.0,
         };
+        let motors = protocol.and_then(|protocol| read_motors(&section, protocol, wheels));
+        if takes_velocities || protocol.is_some_and(MotorProtocol::is_serial) {
+            for other in OF_THE_BUS.into_iter().filter(|other| top.find(other).is_some()) {
+                section.refuse(
+                    section.span(),
+                    format!("[base] has a line of its own or takes velocities, and [{other}] is of drives on a CAN bus"),
+                    format!("remove [{other}], or `source` of [base]"),
+                );
+            }
+        }
         if !takes_velocities {
             section.finish();
-            return Self { by: BaseKind::CanBus, wheels, steering_max_rad, address: None };
+            return Self { by: BaseKind::CanBus, wheels, steering_max_rad, address: None, motors };
         }
-        for other in OF_THE_BUS.into_iter().filter(|other| top.find(other).is_some()) {
-            section.refuse(
-                section.span(),
-                format!("[base] takes velocities, and [{other}] is of drives on a CAN bus"),
-                format!("remove [{other}], or `source` of [base]"),
-            );
-        }
-        Self { by: BaseKind::Velocity, wheels, steering_max_rad, address: read_base(section) }
+        Self { by: BaseKind::Velocity, wheels, steering_max_rad, address: read_base(section), motors }
     }
 
     /// Outline and wheels.
@@ -107,7 +115,8 @@ impl BaseSection {
             BaseKind::CanBus => section.number(key, range),
             BaseKind::Velocity => section.number_or(key, range, without),
         };
-        let ticks_per_m = || number("ticks_per_m", 100.0..=1.0e6, 1.0e4);
+        let of_motors = self.motors.as_ref().and_then(Motors::ticks_per_m);
+        let ticks_per_m = || of_motors.unwrap_or_else(|| number("ticks_per_m", 100.0..=1.0e6, 1.0e4));
         let between_axles_m = || section.number("wheelbase_m", 0.2..=3.0);
         let track_m = || section.number("track_m", 0.2..=2.0);
         let (wheelbase_m, track_m, ticks_per_m, wheel_lever_m, train) = match self.wheels {
@@ -140,17 +149,44 @@ impl BaseSection {
         is_there.then_some((geometry, train))
     }
 
+    /// The controllers of a robot whose drives are other than CiA 402, with their numbers on the bus.
+    pub fn motors(&self, can: &CanConfiguration) -> Option<MotorDrivesConfiguration> {
+        let motors = self.motors.as_ref()?.configuration;
+        let is_on_bus = !motors.protocol.is_serial();
+        let nodes = if is_on_bus { can.wheel_nodes } else { motors.nodes };
+        Some(MotorDrivesConfiguration { nodes, ..motors })
+    }
+
     /// Where velocities go, or `[can]` with `[inputs]`.
     pub fn read_drives(&self, top: &Reader<'_>) -> Option<Drives> {
         if self.by == BaseKind::Velocity {
             return self.address.clone().map(Drives::Velocity);
         }
-        let can = read_can(top.section("can"), self.wheels.unwrap_or(Wheels::Tricycle));
+        let wheels = self.wheels.unwrap_or(Wheels::Tricycle);
+        if let Some(motors) = &self.motors {
+            return read_motor_drives(top, motors, wheels);
+        }
+        let can = read_can(top.section("can"), wheels);
         let inputs = read_inputs(top.section("inputs"));
         let (can, address) = can?;
         let (inputs, buttons) = inputs?;
         Some(Drives::Bus(CanConfiguration { inputs, buttons, ..can }, address))
     }
+}
+
+/// Controllers on a line of their own, or on a bus that may hold a safety controller's gateway as well.
+fn read_motor_drives(top: &Reader<'_>, motors: &Motors, wheels: Wheels) -> Option<Drives> {
+    if let Some(line) = &motors.line {
+        return Some(Drives::Bus(CanConfiguration::default(), CanAddress::Line(line.clone())));
+    }
+    let protocol = motors.configuration.protocol;
+    let has_inputs = top.find("inputs").is_some();
+    let (can, address) = read_motor_bus(top.section("can"), wheels, (protocol, has_inputs))?;
+    if !has_inputs {
+        return Some(Drives::Bus(can, address));
+    }
+    let (inputs, buttons) = read_inputs(top.section("inputs"))?;
+    Some(Drives::Bus(CanConfiguration { inputs, buttons, ..can }, address))
 }
 
 fn read_base(section: Reader<'_>) -> Option<BaseAddress> {
@@ -226,7 +262,10 @@ mod tests {
     fn wrong_base_sections_are_refused() {
         let port = "[base]\nsource = \"udp:0.0.0.0:7100\"\ncontroller = \"10.0.0.9:7101\"\n";
         for (text, words) in [
-            (format!("{EXAMPLE}\n{port}"), "[base] takes velocities, and [can] is of drives on a CAN bus"),
+            (
+                format!("{EXAMPLE}\n{port}"),
+                "[base] has a line of its own or takes velocities, and [can] is of drives on a CAN bus",
+            ),
             (without_bus(&port.replace("udp:", "can:")), "no address of this kind"),
             (without_bus(&port.replace("10.0.0.9:7101", "base")), "`controller` is \"base\""),
             (without_bus(""), "section `[can]` is missing"),

@@ -1,6 +1,7 @@
 //! The sections of the sensors and of the bus: model, address, mounting.
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
+use floorguard_drivers::motor_drives::MotorProtocol;
 use floorguard_runtime::configuration::{
     CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
     ScannerConfiguration, ScannerModel,
@@ -182,6 +183,54 @@ pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialA
     let mounting = read_mounting(section.section("mounting"));
     section.finish();
     Some((ImuConfiguration { mounting }, source?))
+}
+
+/// The keys of the drives' numbers, wheel by wheel.
+fn wheel_keys(wheels: Wheels) -> &'static [&'static str] {
+    match wheels {
+        Wheels::Omnidirectional => &[
+            "front_left_drive_node",
+            "front_right_drive_node",
+            "rear_left_drive_node",
+            "rear_right_drive_node",
+        ],
+        _ => &["left_drive_node", "right_drive_node"],
+    }
+}
+
+/// A bus of motor controllers other than CiA 402 drives; a gateway may be on it, too.
+pub(super) fn read_motor_bus(
+    section: Reader<'_>,
+    wheels: Wheels,
+    (protocol, has_inputs): (MotorProtocol, bool),
+) -> Option<(CanConfiguration, CanAddress)> {
+    let source = read_source(&section, "socketcan:can0", CanAddress::parse);
+    let most = if protocol == MotorProtocol::Odrive { 63 } else { 254 };
+    let mut wheel_nodes = [0; 4];
+    for (node, key) in wheel_nodes.iter_mut().zip(wheel_keys(wheels)) {
+        *node = section.integer(key, 1..=most) as u8;
+    }
+    let inputs_node = if has_inputs { section.integer("inputs_node", 1..=127) as u8 } else { 0 };
+    let fitted = wheel_nodes.iter().filter(|node| **node != 0);
+    let different: std::collections::BTreeSet<u8> = fitted.clone().copied().collect();
+    if section.good_so_far() && different.len() < fitted.count() {
+        section.refuse(
+            section.span(),
+            format!("[can]: node numbers {wheel_nodes:?} are not different"),
+            "give every controller its own number",
+        );
+    }
+    // Five bits of the identifier are the message: other numbers have identifiers of CANopen.
+    let is_clear = |node: &u8| matches!(node, 0..=3 | 60..=63);
+    if protocol == MotorProtocol::Odrive && has_inputs && !wheel_nodes.iter().all(is_clear) {
+        section.refuse(
+            section.span(),
+            "[can]: an axis of an ODrive has identifiers that CANopen uses, and [inputs] is on the same bus",
+            "give the axes numbers of 1 to 3 or 60 to 63",
+        );
+    }
+    section.finish();
+    Some((CanConfiguration { wheel_nodes, inputs_node, ..CanConfiguration::default() }, source?))
 }
 
 /// The devices of the base on the bus: which there are, the wheels say.

@@ -36,8 +36,10 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
         Some(CommandAddress::Ros(_)) | None => {}
     }
-    if let Some(CanAddress::Slcan(device)) = addresses.can {
-        lines.push(("can", device));
+    match addresses.can {
+        Some(CanAddress::Slcan(device)) => lines.push(("can", device)),
+        Some(CanAddress::Line(line)) => lines.push(("base", &line.device)),
+        Some(CanAddress::SocketCan(_)) | None => {}
     }
     match addresses.base {
         Some(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),

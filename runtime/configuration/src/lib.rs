@@ -15,6 +15,7 @@ mod fields;
 mod fleet;
 mod learning;
 mod mission;
+mod motors;
 mod navigation;
 mod panel;
 mod polygon;

@@ -181,11 +181,10 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let learning = top.optional_section("learning").and_then(read_learning);
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
     finish(top, &sensors, (drives.as_ref(), command.as_ref()));
-    let (lidar, lidar_address) = fitted(sensors.lidar)?;
+    let ((lidar, lidar_address), (imu, imu_address)) = (fitted(sensors.lidar)?, fitted(sensors.imu)?);
     let (scanner, scanner_address) = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
-    let (imu, imu_address) = fitted(sensors.imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
@@ -199,6 +198,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             rear_scanner,
             imu,
             can,
+            motors: base.motors(&can),
             fields,
             route,
             route_limits,

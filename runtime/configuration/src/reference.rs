@@ -56,6 +56,26 @@ const WHEELS: [(&str, &str); 3] = [
     ),
 ];
 
+/// Motor controllers other than CiA 402 drives: on a bus, and on a line.
+const MOTORS: [&str; 2] = [
+    "kind = \"differential\"\ndrives = \"vesc\"\nmetres_per_turn = 0.05\npole_pairs = 7\nreversed = \"right\"\nbrakes = true\n",
+    "kind = \"differential\"\ndrives = \"roboteq\"\nmetres_per_turn = 0.02\ncounts_per_turn = 2000\nreversed = \"none\"\nsource = \
+     \"serial:/dev/ttyACM0\"\nbaud = 115200\n",
+];
+
+/// The example robot with such controllers.
+fn with_motors(base: &str) -> String {
+    let own = without("[can]", "[guard]")
+        .replace("wheelbase_m = 0.80\n", "")
+        .replace("ticks_per_m = 20000.0\n", "");
+    let bus = if base.contains("serial:") {
+        ""
+    } else {
+        "\n[can]\nsource = \"socketcan:can0\"\nleft_drive_node = 1\nright_drive_node = 2\n"
+    };
+    [&own, bus, "\n[base]\n", base].concat()
+}
+
 /// The example robot on other wheels.
 fn on_wheels((base, nodes): (&str, &str)) -> String {
     let own = super::EXAMPLE.replace(NODES, nodes);
@@ -88,7 +108,8 @@ pub fn reference() -> String {
     let others = others.into_iter().chain(commanded);
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
-    let others = others.chain(based).chain(wheeled);
+    let motored = MOTORS.iter().flat_map(|base| rows_of(&with_motors(base)));
+    let others = others.chain(based).chain(wheeled).chain(motored);
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);

@@ -3,8 +3,9 @@
 use core::f32::consts::FRAC_PI_2;
 
 use floorguard_drivers::flexisoft::InputBits;
-use floorguard_runtime::configuration::Mounting;
+use floorguard_runtime::configuration::{BaseKind, Mounting};
 
+use super::motors::shortcomings;
 use super::read::HostedConfiguration;
 
 impl HostedConfiguration {
@@ -20,7 +21,8 @@ impl HostedConfiguration {
         let inputs = &robot.can.inputs;
         let fitted =
             [("bumper_front_bits", Some(inputs.bumper_front)), ("bumper_rear_bits", inputs.bumper_rear)];
-        for (key, input) in fitted {
+        let has_inputs = robot.base == BaseKind::CanBus && robot.can.inputs_node != 0;
+        for (key, input) in fitted.into_iter().filter(|_| has_inputs || robot.motors.is_none()) {
             match input {
                 None => warnings.push(format!(
                     "[inputs]: `{key}` is missing: what touches the body there is not noticed; fit a bumper there"
@@ -31,6 +33,7 @@ impl HostedConfiguration {
                 Some(_) => {}
             }
         }
+        warnings.extend(robot.motors.iter().flat_map(shortcomings));
         warnings
     }
 }

@@ -1,4 +1,5 @@
-//! Tests of orders without a broker, and of the connection with Debian's Mosquitto.
+//! Tests of orders without a broker, of days with one that is killed, and of the connection with Debian's Mosquitto.
 
+mod day;
 mod mosquitto;
 mod orders;

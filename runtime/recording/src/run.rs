@@ -16,7 +16,7 @@ use floorguard_drivers::xsens::{Device, DeviceEvent};
 use floorguard_guard::{Cause, GuardState, ResetReport};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
-use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tape::{TapeLine, frame_identifier};
 use floorguard_types::time::Stamp;
 
 use floorguard_robot::cleaner::{MissionPhase, MissionProgress};
@@ -193,7 +193,7 @@ impl<W: Write + Seek> RunRecorder<W> {
 
     /// A frame of the robot on the bus.
     pub fn sent(&mut self, frame: &CanFrame, now_us: u64) {
-        let id = frame.standard_id().unwrap_or_default().to_le_bytes();
+        let id = frame_identifier(frame).unwrap_or_default().to_le_bytes();
         let bytes: Vec<u8> = id.iter().chain(frame.payload()).copied().collect();
         self.write(|out| out.raw(RawStream::CanSent, Stamp::from_micros(now_us), &bytes));
     }

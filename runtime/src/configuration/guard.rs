@@ -2,6 +2,7 @@
 
 use core::f32::consts::PI;
 
+use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 use floorguard_drivers::three_wheel_base::BaseConfiguration;
 use floorguard_drivers::velodyne::Model;
 use floorguard_drivers::wheel_drives::WheelDrivesConfiguration;
@@ -134,6 +135,33 @@ impl RobotConfiguration {
         }
     }
 
+    /// The safety controller's gateway is on the bus of the drives.
+    #[must_use]
+    pub fn has_inputs(&self) -> bool {
+        self.base == BaseKind::CanBus && (self.motors.is_none() || self.can.inputs_node != 0)
+    }
+
+    /// The motor controllers, of a base that has such.
+    #[must_use]
+    pub fn motor_drives(&self) -> Option<MotorDrivesConfiguration> {
+        let ramp_mps2 = self.limits.braking_mps2 * RAMP_RESERVE;
+        self.motors.map(|motors| MotorDrivesConfiguration {
+            counts_per_turn: match motors.protocol {
+                // There a metre is a turn, and both wheels of a side are counted together.
+                MotorProtocol::WheelLine if motors.wheels > 2 => 0.5 * self.geometry.ticks_per_m,
+                MotorProtocol::WheelLine => self.geometry.ticks_per_m,
+                _ => motors.counts_per_turn,
+            },
+            inputs_node: self.can.inputs_node,
+            inputs: self.can.inputs,
+            acceleration_mps2: self.limits.acceleration_mps2 * RAMP_RESERVE,
+            deceleration_mps2: ramp_mps2,
+            track_m: self.geometry.track_m,
+            lever_m: self.geometry.wheelbase_m,
+            ..motors
+        })
+    }
+
     /// The kinematics of a base without a steered wheel.
     #[must_use]
     pub const fn side_wheels(&self) -> SideWheels {
@@ -197,7 +225,7 @@ impl RobotConfiguration {
         let fitted = [
             (Source::Imu, self.imu.is_some()),
             (Source::Lidar, self.has_lidar),
-            (Source::Discrete, self.base == BaseKind::CanBus),
+            (Source::Discrete, self.has_inputs()),
         ];
         for (source, is_fitted) in fitted {
             if let Some(rule) = rules.get_mut(source.index()) {

@@ -1,5 +1,6 @@
 //! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
 
+use floorguard_drivers::motor_drives::MotorDrivesConfiguration;
 use floorguard_guard::{Thresholds, UnseenLimits};
 use floorguard_types::capacities::FIELD_SETS_MAX;
 use heapless::Vec;
@@ -123,6 +124,8 @@ pub struct RobotConfiguration {
     pub imu: Option<ImuConfiguration>,
     /// Drive, encoders and inputs.
     pub can: CanConfiguration,
+    /// Controllers of the wheels other than CiA 402 drives; then of [`Self::can`] only the gateway counts, if there is one.
+    pub motors: Option<MotorDrivesConfiguration>,
     /// Protective and warning fields, by direction and rising speed.
     pub fields: Vec<FieldPair, FIELD_SETS_MAX>,
     /// What to drive when nobody commands; empty: stand still.

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use floorguard_drivers::canopen::{ConfigurationFailure, NodeConfigurator, NodePhase};
+use floorguard_drivers::motor_drives::{MotorDrives, WatchdogCheck};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::wheel_drives::WheelDrives;
 
@@ -27,6 +28,8 @@ pub struct DeviceReport {
     pub phase: NodePhase,
     /// Why it refused last.
     pub failure: Option<ConfigurationFailure>,
+    /// It is a motor controller other than a CiA 402 drive: what it shows is its watchdog.
+    pub is_motor: bool,
 }
 
 /// All devices on the bus.
@@ -51,6 +54,30 @@ impl BusReport {
         Self::named(names, base.devices())
     }
 
+    /// Of a base with motor controllers other than CiA 402 drives: one is operational when its watchdog is known.
+    #[must_use]
+    pub fn of_motors(base: &MotorDrives) -> Self {
+        let mut devices = [None; DEVICES_MAX];
+        let names: &[&str] =
+            if base.heard().count() > NAMES_OF_TWO.len() { &NAMES_OF_FOUR } else { &NAMES_OF_TWO };
+        for (slot, (name, (node, is_heard))) in devices.iter_mut().zip(names.iter().zip(base.heard())) {
+            let phase = match (is_heard, base.watchdog()) {
+                (false, _) => NodePhase::Absent,
+                (true, watchdog) if watchdog.allows() => NodePhase::Operational,
+                (true, WatchdogCheck::Failed) => NodePhase::Refused,
+                (true, _) => NodePhase::Configuring(0),
+            };
+            *slot = Some(DeviceReport { name, node, phase, failure: None, is_motor: true });
+        }
+        let gateway = Self::named(&["safety controller"], base.gateway().into_iter());
+        if let (Some(slot), [Some(device), ..]) =
+            (devices.iter_mut().find(|slot| slot.is_none()), gateway.devices)
+        {
+            *slot = Some(device);
+        }
+        Self { devices }
+    }
+
     /// A device that is being configured counts as at the first step, so that it does not report each step.
     fn named<'a>(names: &[&'static str], nodes: impl Iterator<Item = &'a NodeConfigurator>) -> Self {
         let mut devices = [None; DEVICES_MAX];
@@ -63,6 +90,7 @@ impl BusReport {
                     phase => phase,
                 },
                 failure: device.failure().filter(|_| device.phase() == NodePhase::Refused),
+                is_motor: false,
             });
         }
         Self { devices }
@@ -78,6 +106,12 @@ impl fmt::Display for DeviceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} (node {}): ", self.name, self.node)?;
         match (self.phase, self.failure) {
+            (NodePhase::Configuring(_), _) if self.is_motor => f.write_str(
+                "heard; drives when its watchdog is known: it is asked when the robot is to start",
+            ),
+            (NodePhase::Refused, _) if self.is_motor => {
+                f.write_str("does not stop when this computer is silent; enable its watchdog, then reset")
+            }
             (NodePhase::Absent, _) => {
                 f.write_str("not heard of; check its power, the cable and its node number")
             }
@@ -101,8 +135,13 @@ mod tests {
     #[test]
     fn a_refusal_names_device_object_and_reason() {
         let failure = ConfigurationFailure { index: 0x1A00, subindex: 1, error: SdoError(0x0609_0030) };
-        let report =
-            DeviceReport { name: "left encoder", node: 3, phase: NodePhase::Refused, failure: Some(failure) };
+        let report = DeviceReport {
+            name: "left encoder",
+            node: 3,
+            phase: NodePhase::Refused,
+            failure: Some(failure),
+            is_motor: false,
+        };
         let text = report.to_string();
         assert!(text.starts_with("left encoder (node 3): refused object 1A00h:01h: "), "{text}");
         let silent = DeviceReport { phase: NodePhase::Absent, failure: None, ..report };

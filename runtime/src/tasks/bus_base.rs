@@ -1,6 +1,7 @@
 //! What the task of the CAN bus needs of a base: the master of its devices, and how a permitted velocity becomes a command to them.
 
 use floorguard_drivers::can::CanFrame;
+use floorguard_drivers::motor_drives::MotorDrives;
 use floorguard_drivers::three_wheel_base::{BaseEvent, DriveCommand, StopKind, ThreeWheelBase};
 use floorguard_drivers::wheel_drives::{SideTargets, WheelCommand, WheelDrives};
 use floorguard_localisation::odometry::{Ackermann, BaseModel, SideWheels, Tricycle};
@@ -112,6 +113,42 @@ impl BusBase for WheelDrives {
 
     fn report(&self) -> BusReport {
         BusReport::of_wheels(self)
+    }
+}
+
+impl BusBase for MotorDrives {
+    type Command = WheelCommand;
+
+    fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        Self::on_frame(self, frame, now, event);
+    }
+
+    fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
+        Self::poll(self, now, event, send);
+    }
+
+    fn command(&mut self, command: WheelCommand) {
+        Self::command(self, command);
+    }
+
+    fn commanded(&self) -> WheelCommand {
+        Self::commanded(self)
+    }
+
+    fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
+        Self::send_command(self, send);
+    }
+
+    fn reset_faults(&mut self) {
+        Self::reset_faults(self);
+    }
+
+    fn is_whole(&self) -> bool {
+        Self::is_whole(self)
+    }
+
+    fn report(&self) -> BusReport {
+        BusReport::of_motors(self)
     }
 }
 

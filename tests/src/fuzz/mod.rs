@@ -1,6 +1,6 @@
 //! Anything into every decoder, the configuration, recordings and the whole runtime.
 //!
-//! [`decoders`], [`scanning`], [`files`] and [`worlds`] feed what they are given and say how much of it was of use; they panic where the
+//! [`decoders`], [`scanning`], [`motors`], [`files`] and [`worlds`] feed what they are given and say how much of it was of use; they panic where the
 //! answer is wrong. Two kinds of callers give: the tests `fuzz_…`, in-process and on the stable compiler, corrupt real
 //! messages (`cargo xtask campaign fuzz-…` runs 1e8 of them); libFuzzer, in the folder `fuzz`, follows the branches
 //! that it has seen.
@@ -10,6 +10,7 @@ mod corrupt;
 pub mod decoders;
 pub mod files;
 pub mod messages;
+pub mod motors;
 pub mod scanning;
 pub mod worlds;
 

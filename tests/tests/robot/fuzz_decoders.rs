@@ -6,7 +6,7 @@ use floorguard_configuration::EXAMPLE;
 use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
-use floorguard_tests::fuzz::{Corpus, corrupt, decoders, files, messages, pick};
+use floorguard_tests::fuzz::{Corpus, corrupt, decoders, files, messages, motors, pick};
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
 fn campaign(trials: u64, trial: impl FnMut(&mut Random) -> u64) {
@@ -128,6 +128,12 @@ fn fuzz_velocity_link() {
         let frames: Vec<_> = (0..1 + random.below(8)).map(|_| frame(random)).collect();
         decoders::velocity_link(&frames)
     });
+}
+
+#[test]
+fn fuzz_motors() {
+    let frames = motors::motor_frames();
+    campaign_of(4_000, motors::MOTOR_FRAMES, |random| motors::motors(&frames, random));
 }
 
 #[test]

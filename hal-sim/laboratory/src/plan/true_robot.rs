@@ -1,13 +1,17 @@
 //! The simulated robot that a robot's file describes: its outline becomes a body, its sensors sit where they are mounted.
 
+use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 use floorguard_runtime::configuration::{
     DriveTrain, LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
+use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
     BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
+/// What slows wheels without torque and without brakes, m/s².
+const ROLLING_MPS2: f32 = 0.1;
 /// How high the body is where the lidar does not say: this much below its mast, metres.
 const MAST_M: f32 = 0.05;
 /// A bumper strip reaches so far into the body and beyond it, metres.
@@ -35,7 +39,11 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         left_encoder: on_bus(can.left_encoder_node, default.nodes.left_encoder),
         right_encoder: on_bus(can.right_encoder_node, default.nodes.right_encoder),
         wheels: can.wheel_nodes,
-        gateway: on_bus(can.inputs_node, default.nodes.gateway),
+        gateway: if robot.motors.is_some() {
+            can.inputs_node
+        } else {
+            on_bus(can.inputs_node, default.nodes.gateway)
+        },
         dirt_sensor: can.dirt_sensor_node.unwrap_or(default.nodes.dirt_sensor),
     };
     let ticks_per_m = match train {
@@ -59,12 +67,42 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
             _ => default.steering_max_rad,
         },
         nodes,
+        motors: robot.motors.map(|motors| true_motors(&motors, robot.geometry.ticks_per_m)),
+        // Rolling friction alone where nothing grips without power.
+        brake_mps2: match robot.motors {
+            Some(motors) if !motors.has_brakes => ROLLING_MPS2,
+            _ => default.brake_mps2,
+        },
         ..default
     };
     if fitted.footprint.as_slice() == robot.geometry.footprint.as_slice() {
         return fitted;
     }
     with_body(fitted, &robot.geometry.footprint)
+}
+
+/// The controllers that a robot's file describes, with the watchdogs that it asks for.
+fn true_motors(motors: &MotorDrivesConfiguration, ticks_per_m: f32) -> MotorParameters {
+    let kind = match motors.protocol {
+        MotorProtocol::Odrive => MotorKind::Odrive,
+        MotorProtocol::Vesc => MotorKind::Vesc,
+        MotorProtocol::Roboteq => MotorKind::Roboteq,
+        MotorProtocol::WheelLine => MotorKind::WheelLine,
+    };
+    MotorParameters {
+        kind,
+        wheels: motors.wheel_count(),
+        nodes: motors.nodes,
+        metres_per_turn: motors.metres_per_turn,
+        counts_per_turn: match kind {
+            // There a metre is a turn, and a robot's file counts both wheels of a side together.
+            MotorKind::WheelLine if motors.wheels > 2 => 0.5 * ticks_per_m,
+            MotorKind::WheelLine => ticks_per_m,
+            _ => motors.counts_per_turn,
+        },
+        pole_pairs: motors.pole_pairs,
+        watchdog_ms: u32::from(motors.watchdog_ms),
+    }
 }
 
 /// What the body rolls on, and between which points. A base that takes velocities and does not say how rolls as the example does.

@@ -26,6 +26,8 @@ const IMU_BAUD: u32 = 115_200;
 const PORTION_BYTES: usize = 4_096;
 /// Frames taken from the kernel at once.
 const FRAMES_MAX: usize = 256;
+/// Symbols a second on a line of motor controllers.
+const LINE_BAUD: u32 = 115_200;
 /// The longest sleep, microseconds.
 const SLEEP_US: u64 = 10_000;
 
@@ -35,6 +37,8 @@ enum CanEnd {
     Adapter(PseudoTerminal, SlcanDecoder),
     /// An interface of the kernel, which the robot uses as well.
     Interface(CanSocket),
+    /// The line of motor controllers.
+    Line(PseudoTerminal),
 }
 
 /// The safety scanner's end of its line.
@@ -63,7 +67,13 @@ impl Ends {
         let rear_scanner = robot.rear_scanner.map(|_| terminal()).transpose()?;
         let rear_line = rear_scanner.as_ref().map(|line| line.device.clone());
         let imu = terminal()?;
+        let is_line = robot.motors.is_some_and(|motors| motors.protocol.is_serial());
         let (can, address) = match can_interface {
+            _ if is_line => {
+                let line = terminal()?;
+                let address = SerialAddress { device: line.device.clone(), baud: LINE_BAUD };
+                (CanEnd::Line(line), CanAddress::Line(address))
+            }
             Some(name) => (CanEnd::Interface(open_interface(name)?), CanAddress::SocketCan(name.to_owned())),
             None => {
                 let adapter = terminal()?;
@@ -113,7 +123,7 @@ impl Ends {
     /// Sleeps until the robot writes something, or a time has passed.
     pub fn wait(&self, at_most_us: u64) -> anyhow::Result<()> {
         let can = match &self.can {
-            CanEnd::Adapter(terminal, _) => terminal.near.as_fd(),
+            CanEnd::Adapter(terminal, _) | CanEnd::Line(terminal) => terminal.near.as_fd(),
             CanEnd::Interface(socket) => socket.as_fd(),
         };
         let mut lines =
@@ -166,9 +176,10 @@ impl CanEnd {
     fn send(&mut self, frame: &SimCanFrame) -> bool {
         match self {
             Self::Adapter(terminal, _) => write_all(terminal, encode_slcan(frame).as_bytes()),
-            Self::Interface(socket) => embedded_can::StandardId::new(frame.id as u16)
-                .and_then(|id| KernelFrame::new(id, frame.payload()))
-                .is_some_and(|frame| socket.write_frame(&frame).is_ok()),
+            Self::Line(terminal) => write_all(terminal, frame.payload()),
+            Self::Interface(socket) => {
+                to_kernel(frame).is_some_and(|frame| socket.write_frame(&frame).is_ok())
+            }
         }
     }
 
@@ -179,12 +190,22 @@ impl CanEnd {
                 *refused += u64::from(!write_all(terminal, &replies));
                 frames
             }
+            Self::Line(terminal) => {
+                read_all(terminal).chunks(8).map(|portion| SimCanFrame::new(0, portion)).collect()
+            }
             Self::Interface(socket) => {
                 let frames = (0..FRAMES_MAX).map_while(|_| socket.read_frame().ok());
                 frames.filter_map(|frame| from_kernel(&frame)).collect()
             }
         }
     }
+}
+
+fn to_kernel(frame: &SimCanFrame) -> Option<KernelFrame> {
+    if frame.extended {
+        return KernelFrame::new(embedded_can::ExtendedId::new(frame.id)?, frame.payload());
+    }
+    KernelFrame::new(embedded_can::StandardId::new(frame.id as u16)?, frame.payload())
 }
 
 fn from_kernel(frame: &KernelFrame) -> Option<SimCanFrame> {

@@ -2,7 +2,7 @@
 
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
-use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tape::{TapeLine, frame_identifier};
 use floorguard_sim::{Payload, Stream, WireEvent};
 use floorguard_types::time::Stamp;
 
@@ -64,13 +64,34 @@ impl Lines {
                 self.imu.push(&bytes);
             }
             (Stream::Can, Payload::Frame(frame)) => {
-                let [low, high] = (frame.id as u16).to_le_bytes();
-                let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
+                let frame = to_robot(&frame);
+                let id = frame_identifier(&frame).unwrap_or_default().to_le_bytes();
+                let bytes: Vec<u8> = id.iter().chain(frame.payload()).copied().collect();
                 sinks.delivered(when, TapeLine::Can, &bytes);
-                self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
+                self.can.push(frame);
             }
             // Position packets only discipline the lidar's clock, which the arrival times already do.
             _ => {}
+        }
+    }
+}
+
+/// A frame of a simulated device as the robot's computer takes it.
+pub(super) fn to_robot(frame: &floorguard_sim::CanFrame) -> CanFrame {
+    let extended = || CanFrame::extended(frame.id, frame.payload());
+    frame
+        .extended
+        .then(extended)
+        .flatten()
+        .unwrap_or_else(|| CanFrame::standard(frame.id as u16, frame.payload()))
+}
+
+/// A frame of the robot's computer as simulated devices take it.
+pub(super) fn to_devices(frame: &CanFrame) -> floorguard_sim::CanFrame {
+    match frame.extended_id() {
+        Some(id) => floorguard_sim::CanFrame::extended(id, frame.payload()),
+        None => {
+            floorguard_sim::CanFrame::new(u32::from(frame.standard_id().unwrap_or_default()), frame.payload())
         }
     }
 }

@@ -91,7 +91,7 @@ impl<'a> Observer<'a> {
             seen_advice: 0,
             mot: MotAccumulator::new(),
             seen: Observation::default(),
-            targets: WheelTargets::of(&plan.robot.can),
+            targets: WheelTargets::of(&plan.robot),
             odometry_in_world: plan.odometry_in_world(),
             scenario: (plan.name.clone(), plan.seed),
             commanded_mps: 0.0,
@@ -124,9 +124,8 @@ impl<'a> Observer<'a> {
 
     /// A frame of the robot on the bus.
     pub fn on_frame(&mut self, frame: &CanFrame, now_us: u64) {
-        let Some(id) = frame.standard_id() else { return };
         self.digest.on_frame(frame, now_us);
-        if let Some(commanded_mps) = self.targets.take(id, frame.payload()) {
+        if let Some(commanded_mps) = self.targets.take(frame) {
             self.commanded_mps = commanded_mps;
             self.orders.order(now_us, self.commanded_mps);
         }

@@ -1,7 +1,6 @@
 //! Simulator on one thread, robot on two, and between them what a real robot has: UDP over the loopback, serial lines
 //! and an SLCAN adapter as pseudo-terminals. Nothing repeats bit for bit here; the verdict must be the same all the same.
 
-use floorguard_drivers::can::CanFrame;
 use floorguard_mapping::sliding_window::{CellContent, WindowPoint};
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
@@ -12,6 +11,7 @@ use floorguard_types::time::Stamp;
 
 use super::actuated_end::ActuatedEnd;
 use super::ends::Ends;
+use super::lines::to_robot;
 use super::observer::Observer;
 use super::operator::Operator;
 use crate::plan::Plan;
@@ -181,7 +181,7 @@ impl World<'_> {
             faults.release(to_us, &mut |event| ends.deliver(event));
             let (frames, imu) = ends.receive();
             for frame in frames {
-                observer.on_frame(&CanFrame::standard(frame.id as u16, frame.payload()), to_us);
+                observer.on_frame(&to_robot(&frame), to_us);
                 simulation.receive_can(frame, to_us);
             }
             if !imu.is_empty() {

@@ -10,7 +10,7 @@ use floorguard_types::time::Stamp;
 
 use super::floor_camera::SimulatedCamera;
 use super::lidar_playback::LidarPlayback;
-use super::lines::{Ends, IMU_BAUD, Lines};
+use super::lines::{Ends, IMU_BAUD, Lines, to_devices};
 use super::observer::Observer;
 use super::operator::Operator;
 use super::outside::spawn_outside;
@@ -260,8 +260,7 @@ impl World<'_, '_> {
         for frame in lines.can.drain() {
             self.observer.on_frame(&frame, self.now_us);
             self.sinks.sent(&frame, self.now_us);
-            let id = u32::from(frame.standard_id().unwrap_or_default());
-            self.send(SimCanFrame::new(id, frame.payload()));
+            self.send(to_devices(&frame));
         }
         let bytes = from_imu_line.drain();
         if !bytes.is_empty() {

@@ -33,6 +33,7 @@ pub(super) fn findings(computer: &Computer, carriers: &Carriers) -> Vec<Finding>
     match &carriers.can {
         Some(CanAddress::SocketCan(interface)) => findings.push(can(computer, interface)),
         Some(CanAddress::Slcan(line)) => findings.push(device(computer, "[can]", line)),
+        Some(CanAddress::Line(line)) => findings.push(device(computer, "[base] drives", &line.device)),
         None => {}
     }
     match &carriers.base {

@@ -9,6 +9,7 @@ mod inspect_command;
 mod map_edit;
 mod mission_command;
 mod mission_seen;
+mod my_robot_page;
 mod panel_browser;
 mod panel_pictures;
 mod phone_browser;

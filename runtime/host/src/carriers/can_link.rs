@@ -3,7 +3,7 @@
 use std::io;
 
 use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::io::{CanBus, SlcanBus, SlcanBusError};
+use floorguard_runtime::io::{CanBus, LineBus, SlcanBus, SlcanBusError};
 
 use super::reconnect::ReconnectingLine;
 use super::socket_can::SocketCanBus;
@@ -18,6 +18,8 @@ pub enum CanLink {
     Socket(SocketCanBus),
     /// An adapter on a serial line.
     Slcan(SlcanBus<ReconnectingLine>),
+    /// The line of motor controllers.
+    Line(LineBus<ReconnectingLine>),
 }
 
 impl CanLink {
@@ -34,6 +36,10 @@ impl CanLink {
                 let (line, problem) = ReconnectingLine::new(device.clone(), SLCAN_BAUD);
                 (Self::Slcan(SlcanBus::new(line)), problem)
             }
+            CanAddress::Line(address) => {
+                let (line, problem) = ReconnectingLine::new(address.device.clone(), address.baud);
+                (Self::Line(LineBus::new(line)), problem)
+            }
         }
     }
 }
@@ -45,6 +51,7 @@ impl CanBus for CanLink {
         match self {
             Self::Socket(bus) => bus.receive().await,
             Self::Slcan(bus) => bus.receive().await.map_err(plain),
+            Self::Line(line) => line.receive().await.map_err(plain),
         }
     }
 
@@ -52,6 +59,7 @@ impl CanBus for CanLink {
         match self {
             Self::Socket(bus) => bus.send(frame).await,
             Self::Slcan(bus) => bus.send(frame).await.map_err(plain),
+            Self::Line(line) => line.send(frame).await.map_err(plain),
         }
     }
 }

@@ -14,7 +14,7 @@ use floorguard_robot::learning::LearningSetup;
 use floorguard_runtime::configuration::{BaseKind, RobotConfiguration, ScannerModel};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{Motion, Shared, StopRecord};
-use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tape::{TapeLine, frame_identifier};
 use floorguard_runtime::tasks::perceive;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
@@ -355,7 +355,7 @@ impl Stage<'_> {
 
 /// As the recording holds a frame: identifier, then data.
 fn bytes_of(frame: &CanFrame) -> Vec<u8> {
-    let id = frame.standard_id().unwrap_or_default().to_le_bytes();
+    let id = frame_identifier(frame).unwrap_or_default().to_le_bytes();
     id.iter().chain(frame.payload()).copied().collect()
 }
 

@@ -4,11 +4,10 @@
 use std::io::Read;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::{BaseKind, RobotConfiguration};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::Shared;
-use floorguard_runtime::tape::{TapeLine, decode_route};
+use floorguard_runtime::tape::{TapeLine, decode_route, frame_of};
 use floorguard_runtime::tasks::Mission;
 use floorguard_types::time::Stamp;
 
@@ -302,7 +301,7 @@ impl Stage<'_> {
             TapeLine::Imu => self.lines.imu.push(bytes),
             TapeLine::Can => {
                 if let Some((id, payload)) = bytes.split_first_chunk::<2>() {
-                    self.lines.can.push(CanFrame::standard(u16::from_le_bytes(*id), payload));
+                    self.lines.can.push(frame_of(u16::from_le_bytes(*id), payload));
                 }
             }
             TapeLine::Reset => self.shared.reset.signal(()),

@@ -10,6 +10,7 @@ use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_drivers::can::CanFrame;
 use floorguard_robot::assembly::Direction;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
+use floorguard_runtime::tape::frame_of;
 use floorguard_types::time::Stamp;
 
 #[derive(Default)]
@@ -104,7 +105,7 @@ impl CanBus for ScriptedLine {
     async fn receive(&mut self) -> io::Result<CanFrame> {
         let (_, bytes) = self.next().await?;
         let (id, payload) = bytes.split_first_chunk::<2>().ok_or(io::ErrorKind::InvalidData)?;
-        Ok(CanFrame::standard(u16::from_le_bytes(*id), payload))
+        Ok(frame_of(u16::from_le_bytes(*id), payload))
     }
 
     async fn send(&mut self, frame: &CanFrame) -> io::Result<()> {

@@ -2,6 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
+use floorguard_drivers::motor_drives::MotorDrives;
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::wheel_drives::WheelDrives;
 use floorguard_drivers::xsens::Device;
@@ -284,6 +285,10 @@ fn spawn_base<'a, M: RawMutex>(
     can: impl CanBus + 'a,
 ) {
     let bus = BusWithButtons::new(can, shared, &robot.can);
+    if let Some(motors) = robot.motor_drives() {
+        tasks.spawn(can_bus(shared, bus, (MotorDrives::new(motors), robot.side_wheels())));
+        return;
+    }
     match robot.train {
         DriveTrain::Tricycle => {
             tasks.spawn(can_bus(shared, bus, (ThreeWheelBase::new(robot.base()), robot.tricycle())));

@@ -16,7 +16,7 @@ use floorguard_guard::{Advice, Decision};
 use floorguard_host::executor::PriorityLock;
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
-use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tape::{TapeLine, frame_identifier};
 use floorguard_runtime::tasks::GuardInput;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
@@ -303,8 +303,8 @@ impl<T: CanBus> CanBus for Tapped<T> {
 
     async fn receive(&mut self) -> Result<CanFrame, T::Error> {
         let frame = self.carrier.receive().await.inspect_err(|_| self.failed(Direction::Read))?;
-        // No device of the robot uses other identifiers, and the tape cannot hold them.
-        if let (Some(tap), Some(id)) = (&self.tap, frame.standard_id()) {
+        // No device of the robot uses identifiers that the tape cannot hold.
+        if let (Some(tap), Some(id)) = (&self.tap, frame_identifier(&frame)) {
             let mut bytes = [0; FRAME_BYTES];
             let frame_bytes = id.to_le_bytes().into_iter().chain(frame.payload().iter().copied());
             let length = bytes.iter_mut().zip(frame_bytes).map(|(place, byte)| *place = byte).count();
