@@ -77,7 +77,7 @@ pub struct BridgeFigures {
     pub refused: u64,
     /// Velocities, places and services that came.
     pub received: u64,
-    /// Those that are none, or in another frame than the map's, or too many.
+    /// Those that cannot be read, are in another frame than the map's, or are too many.
     pub not_understood: u64,
 }
 

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_an_empty_map() {
+    fn no_people_is_an_empty_map() {
         assert!(cells(&[], Point2::default()).1.iter().all(|cell| *cell == 0));
         assert_eq!(people(&[0, 1, 0]), None);
     }

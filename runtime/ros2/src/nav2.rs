@@ -11,7 +11,7 @@ use super::moment::{Restraint, RobotMoment};
 const DO_NOTHING: u8 = 0;
 const STOP: u8 = 1;
 const LIMIT: u8 = 4;
-/// A limit of zero means to nav2 that there is none, so a robot that must stand is told this, m/s.
+/// A limit of zero means to nav2 that there is none, so for a robot that must stand it is this, m/s.
 const STANDS_MPS: f32 = 0.01;
 
 /// `nav2_msgs/msg/CollisionMonitorState`: the cause stands where a polygon's name would.
@@ -33,7 +33,7 @@ pub fn speed_limit(moment: &RobotMoment, stamp: Stamp) -> Vec<u8> {
     encoder.finish()
 }
 
-/// What nav2 is told.
+/// The limit that nav2 gets.
 pub fn limit_mps(moment: &RobotMoment) -> f32 {
     moment.limit_mps.max(STANDS_MPS)
 }
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn standing_robot_is_not_told_as_unlimited() {
+    fn standing_robot_is_not_reported_as_unlimited() {
         let at = Stamp::from_micros(1_500_000);
         let moment =
             RobotMoment { at, restraint: Restraint::Stops, cause: "field".to_owned(), limit_mps: 0.0 };

@@ -22,7 +22,7 @@ use super::{costmap, names, nav2};
 const FOLLOW_US: i64 = 100_000;
 /// The costmap of people comes this often, microseconds.
 const COSTMAP_EVERY_US: u64 = 200_000;
-/// What nav2 is told is told again this often, microseconds, and the bridge's own figures.
+/// What nav2 gets is repeated this often, microseconds, and the bridge's own figures.
 const AGAIN_EVERY_US: u64 = 1_000_000;
 /// How long a thread waits before it looks whether it is to end.
 const WAIT: Duration = Duration::from_millis(100);
@@ -65,8 +65,8 @@ pub struct Publisher {
     /// The clock on the wall less the robot's, microseconds.
     offset_us: Option<i64>,
     place: Option<Point2>,
-    told: Option<RobotMoment>,
-    /// When each of the things that come by the clock comes next: costmap, nav2, figures.
+    reported: Option<RobotMoment>,
+    /// When what comes by the clock is due: costmap, nav2, figures.
     next_us: [u64; 3],
 }
 
@@ -96,7 +96,7 @@ impl Publisher {
             counters,
             offset_us: None,
             place: None,
-            told: None,
+            reported: None,
             next_us: [0; 3],
         })
     }
@@ -157,9 +157,9 @@ impl Publisher {
 
     /// nav2 hears what changes at once, and the rest now and then.
     fn moment(&mut self, moment: RobotMoment, wall_us: u64) {
-        let is_news = self.told.as_ref().is_none_or(|told| {
-            (told.restraint, &told.cause) != (moment.restraint, &moment.cause)
-                || nav2::limit_mps(told) != nav2::limit_mps(&moment)
+        let is_news = self.reported.as_ref().is_none_or(|before| {
+            (before.restraint, &before.cause) != (moment.restraint, &moment.cause)
+                || nav2::limit_mps(before) != nav2::limit_mps(&moment)
         });
         if !is_news && wall_us < self.next_us[1] {
             return;
@@ -169,7 +169,7 @@ impl Publisher {
         let (state, limit) = (nav2::collision_monitor_state(&moment), nav2::speed_limit(&moment, stamp));
         self.write(|publisher| Some(&publisher.state), state);
         self.write(|publisher| Some(&publisher.limit), limit);
-        self.told = Some(moment);
+        self.reported = Some(moment);
     }
 
     fn figures(&mut self, wall_us: u64) {

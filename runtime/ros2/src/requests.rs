@@ -6,7 +6,7 @@ use floorguard_types::geometry::Pose2;
 /// An errand or a button.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RosRequest {
-    /// The robot stands until it is told to go on.
+    /// The robot stands until it is to go on.
     Pause,
     /// It goes on.
     Resume,

@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn shorter_message_is_told_and_left() {
+    fn shorter_message_is_reported_and_left() {
         let layout = Layout::of(DEFINITION);
         let whole = message([(1, 0), (2, 0), (3, 0)]);
         for cut in 0..whole.len() {

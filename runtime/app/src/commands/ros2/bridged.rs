@@ -47,7 +47,7 @@ pub(crate) fn open(opening: RosOpening) -> anyhow::Result<RosEnds> {
         Some(address) => format!("at {address} and on every other network of this computer"),
     };
     say!(
-        "  ROS 2: domain {}, {reach}; no DDS security: whoever reaches it reads everything and",
+        "  ROS 2: domain {}, {reach}; no DDS security: programs that reach it read everything and",
         place.domain
     );
     say!(
