@@ -1,7 +1,7 @@
 //! What stands around the robot: cells of the floor that move under it, and keep what any sensor saw until a later look passes
 //! through the same place and height, or until it is out of reach. Time alone clears nothing (FG-REQ-028).
 //!
-//! A window of 4.5 m by 4.5 m in cells of 7 cm, fixed to the floor by the wheels; its middle lies 1.2 m ahead of the
+//! A window of 4.7 m by 4.7 m in cells of 7.35 cm, fixed to the floor by the wheels; its middle lies 1.35 m ahead of the
 //! robot's origin. Each cell keeps two kinds apart: that the safety scanner met something in its plane, and a run of
 //! heights below the lidar in which the lidar did, in two spans of time of three. Of several runs the lowest one stays.
 
@@ -18,9 +18,9 @@ use floorguard_types::time::{Age, Stamp};
 /// Cells along each side of the window: the bits of a word.
 pub const SIDE: usize = 64;
 /// Side of a cell, metres.
-pub const CELL_M: f32 = 0.07;
+pub const CELL_M: f32 = 0.0735;
 /// The middle of the window lies this far ahead of the robot's origin, metres: more room ahead than behind.
-const AHEAD_M: f32 = 1.42;
+const AHEAD_M: f32 = 1.35;
 /// What the lidar met is kept when it meets it again in one of the next two spans of this length, microseconds: three sweeps each.
 /// Noise and the legs of a person who walks by do not stay; a level surface, which one ring crosses and the next one 0.4 m of the
 /// robot's way later, does.

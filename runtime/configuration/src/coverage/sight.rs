@@ -30,10 +30,10 @@ const BAR_LOOK_S: f32 = 0.3;
 /// Side of a place, metres.
 pub(super) const PLACE_M: f32 = 0.05;
 /// Places along x and y, and where they begin, metres: a little more than the window of the guard's memory.
-const COUNT: [usize; 2] = [96, 90];
+const COUNT: [usize; 2] = [92, 90];
 const BEGIN_M: [f32; 2] = [-1.20, -2.25];
-/// The window of the memory along x, metres.
-const WINDOW_M: [f32; 2] = [-0.82, 3.59];
+/// The window of the memory along x, metres: what it reaches ahead beyond the places above is not counted on.
+const WINDOW_M: [f32; 2] = [-1.00, 3.39];
 
 /// A place of the floor, counted from the corner of the area.
 pub(super) type Index = [usize; 2];
