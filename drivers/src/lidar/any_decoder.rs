@@ -1,11 +1,12 @@
 //! The decoder of whichever lidar is configured, where memory for the largest of them does not matter.
 
 use floorguard_types::profile::{Native, Profile};
-use floorguard_types::sensing::LidarPacketOf;
+use floorguard_types::sensing::{LidarPacketOf, RingChoice};
 use floorguard_types::time::Stamp;
 
 use super::contract::LidarDecoder;
 use super::error::LidarError;
+use super::straight_columns::StraightColumns;
 use crate::hesai;
 use crate::velodyne::{self, ClosedSector};
 
@@ -27,6 +28,8 @@ use crate::velodyne::{self, ClosedSector};
 pub enum AnyDecoderOf<P: Profile> {
     /// VLP-16 and relatives.
     Velodyne(velodyne::DecoderOf<P>),
+    /// VLP-32C, whose lasers look beside their columns.
+    Straight(velodyne::DecoderOf<P>, StraightColumns<P>),
     /// PandarXT-16 and XT-32.
     Hesai(hesai::DecoderOf<P>),
 }
@@ -37,7 +40,7 @@ pub type AnyDecoder = AnyDecoderOf<Native>;
 impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
     fn limit_lasers(&mut self, lasers_max: u8) {
         match self {
-            Self::Velodyne(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Velodyne(decoder) | Self::Straight(decoder, _) => decoder.limit_lasers(lasers_max),
             Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
         }
     }
@@ -50,21 +53,35 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
     ) -> Result<u16, LidarError> {
         match self {
             Self::Velodyne(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Straight(decoder, columns) => {
+                let lost_before = LidarDecoder::decode_datagram(decoder, payload, arrival, out)?;
+                columns.put_straight(out, lost_before);
+                Ok(lost_before)
+            }
             Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
     fn left_out_block(&self) -> Option<LidarError> {
         match self {
-            Self::Velodyne(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Velodyne(decoder) | Self::Straight(decoder, _) => LidarDecoder::left_out_block(decoder),
             Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
     fn known_closed_sector(&self) -> Option<ClosedSector> {
         match self {
-            Self::Velodyne(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Velodyne(decoder) | Self::Straight(decoder, _) => {
+                LidarDecoder::known_closed_sector(decoder)
+            }
             Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
+        }
+    }
+
+    fn people_rings(&self) -> Option<&'static RingChoice> {
+        match self {
+            Self::Velodyne(decoder) | Self::Straight(decoder, _) => LidarDecoder::people_rings(decoder),
+            Self::Hesai(decoder) => LidarDecoder::people_rings(decoder),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! What every decoder of a spinning lidar does.
 
-use floorguard_types::profile::Profile;
-use floorguard_types::sensing::LidarPacketOf;
+use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::profile::{Profile, Size};
+use floorguard_types::sensing::{LidarPacketOf, RingChoice};
 use floorguard_types::time::Stamp;
 
 use super::error::LidarError;
@@ -29,6 +30,9 @@ pub trait LidarDecoder<P: Profile> {
 
     /// The sector that the lidar leaves out because it is set to a field of view, once it has shown.
     fn known_closed_sector(&self) -> Option<ClosedSector>;
+
+    /// The rings in which people are looked for, once it is known that the lidar has more of them than a sweep.
+    fn people_rings(&self) -> Option<&'static RingChoice>;
 }
 
 impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
@@ -51,6 +55,11 @@ impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
 
     fn known_closed_sector(&self) -> Option<ClosedSector> {
         self.closed_sector()
+    }
+
+    fn people_rings(&self) -> Option<&'static RingChoice> {
+        // Without room for more lasers there is nothing to choose, and no code for it.
+        if P::Rings::N > SWEEP_RINGS { self.model()?.people_rings() } else { None }
     }
 }
 
@@ -75,6 +84,10 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
 
     /// Its columns carry their azimuths: what is between two of them stays unknown without a name.
     fn known_closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
+
+    fn people_rings(&self) -> Option<&'static RingChoice> {
         None
     }
 }

@@ -10,6 +10,7 @@ mod decoder;
 mod gprmc;
 mod model;
 mod packet;
+mod people_rings;
 mod position;
 mod returns;
 mod rotation;

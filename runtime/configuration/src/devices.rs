@@ -89,15 +89,6 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("pandar-xt16", LidarModel::PandarXt16),
     ];
     let model = section.choice("model", &models);
-    if let Some(LidarModel::Vlp32c | LidarModel::Hdl32e) = model {
-        section.refuse(
-            section.span(),
-            "[lidar]: `model` has 32 rings: the guard takes 32, but people, motion, legs beside them, and learning take \
-             16, so that nobody would be seen where he is",
-            "mount a VLP-16 (`vlp16`) or a Puck Hi-Res (`puck-hi-res`); captures of this model can be read with \
-             floorguard decode",
-        );
-    }
     let source = read_datagrams(&section, "udp:0.0.0.0:2368");
     let mounting = read_mounting(section.section("mounting"));
     section.finish();

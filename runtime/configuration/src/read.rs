@@ -314,19 +314,24 @@ mod tests {
     use crate::camera::EXAMPLE_SECTION;
     use floorguard_types::sensing::ImageSize;
 
-    /// The stages that find people take 16 rings: a lidar of 32 is refused, with what takes how many and what to do.
+    /// The guard judges every ring of a lidar of 32, and people are looked for in sixteen of them.
     #[test]
-    fn lidars_of_32_rings_are_refused() {
-        for model in ["vlp32c", "hdl32e"] {
+    fn lidars_of_32_rings_are_taken() {
+        for (model, lowest_deg, highest_deg) in [("vlp32c", -25.0, 15.0), ("hdl32e", -30.67, 10.67)] {
             let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
-            let refused = parse("robot.toml", &text).expect_err("refused").to_string();
-            for words in ["32 rings", "the guard takes 32", "16", "puck-hi-res", "floorguard decode"] {
-                assert!(refused.contains(words), "{words} is not in: {refused}");
-            }
+            let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+            let elevations_deg = robot.lidar_elevations_deg();
+            assert_eq!(
+                (elevations_deg.len(), elevations_deg[0], elevations_deg[31]),
+                (32, lowest_deg, highest_deg)
+            );
+            let sines = robot.ring_angles().rings.map(|(sine, ..)| sine);
+            assert!(sines.is_sorted() && sines[0] < -0.25 && sines[15] > 0.18, "{model}: {sines:?}");
         }
         for model in ["auto", "puck-hi-res"] {
             let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
-            parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}"));
+            let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+            assert_eq!(robot.lidar_elevations_deg().len(), 16);
         }
     }
 

@@ -75,6 +75,13 @@ impl Language {
     #[must_use]
     pub fn cause(self, english: &str) -> String {
         let (left, action) = english.split_once(" -> ").unwrap_or((english, ""));
+        if let Some((reset, refusal)) = left.split_once(": ").filter(|(reset, _)| *reset == "reset refused") {
+            let refusal = match refusal.strip_suffix(": it is still there") {
+                Some(cause) => self.fill("still there: {}", &[self.say(cause)]),
+                None => self.begin(refusal),
+            };
+            return format!("{}: {refusal}", self.say(reset));
+        }
         // Names of causes may hold a colon themselves.
         let mut spoken =
             if table().contains_key(left) { vec![self.say(left).to_owned()] } else { self.measured(left) };
@@ -173,6 +180,10 @@ mod tests {
         assert_eq!(
             german.cause(line),
             "Hindernis im Schutzfeld (Lidar), gemessen: 0,81 m, Grenze: 0,84 m, 1 ms alt, Halt mit gehaltenem Antrieb (Kategorie 2)"
+        );
+        assert_eq!(
+            german.cause("reset refused: drive reports a fault: it is still there"),
+            "Quittieren abgelehnt: noch da: Antrieb meldet eine Störung"
         );
         let start = "start-up check: not every required source was healthy yet";
         let action = "stop and hold (category 2)";

@@ -42,6 +42,9 @@ impl LidarView {
             return None;
         }
         let lost = self.decoder.decode_datagram(datagram, arrival, &mut self.packet).ok()?;
+        if let Some(rings) = self.decoder.people_rings() {
+            rings.keep_in(&mut self.packet);
+        }
         let Self { packet, builder, building, angles, every, sweeps, .. } = self;
         let mut found = None;
         builder.add(packet, lost, building, |sweep| {

@@ -169,16 +169,9 @@ impl RobotConfiguration {
         }
     }
 
-    /// As many as the capacity: packets of a larger lidar are refused. A PandarXT-16 has the elevations of a VLP-16 (book, Hesai:
-    /// Angles).
+    /// As many as the capacity: packets of a larger lidar are refused.
     fn elevations_rad(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
-        let model = self.lidar_model().unwrap_or(Model::Vlp16);
-        let angles = model.ring_angles();
-        angles
-            .iter()
-            .take(model.lasers().min(PACKET_RINGS_MAX))
-            .map(|angle| angle.elevation_deg * (PI / 180.0))
-            .collect()
+        self.lidar_elevations_deg().iter().map(|elevation_deg| elevation_deg * (PI / 180.0)).collect()
     }
 
     fn source_rules(&self) -> [SourceRules; Source::COUNT] {

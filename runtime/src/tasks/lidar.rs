@@ -4,7 +4,6 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
 use floorguard_drivers::lidar::LidarDecoder;
 use floorguard_guard::{FaultKind, Source};
-use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::profile::Native;
 
 use crate::clock;
@@ -24,8 +23,6 @@ pub async fn lidar_input<M: RawMutex>(
     mut socket: impl DatagramReceiver,
     mut decoder: impl LidarDecoder<Native>,
 ) {
-    // Angles of fields and of the people stages are those of a lidar of 16 rings.
-    decoder.limit_lasers(SWEEP_RINGS as u8);
     let mut buffer = [0; DATAGRAM_BYTES];
     let mut newest = QueuedPacket::EMPTY;
     loop {
@@ -44,6 +41,10 @@ pub async fn lidar_input<M: RawMutex>(
                 shared.remember(|guard| guard.remember_packet(&newest.packet));
                 if HAS_TIME {
                     shared.remember(|guard| guard.remember_more(&newest.packet));
+                }
+                // The guard judges every ring; a sweep, in which people are looked for, has fewer than some lidars.
+                if let Some(rings) = decoder.people_rings() {
+                    rings.keep_in(&mut newest.packet);
                 }
                 shared.packets.push(|slot| slot.copy_from(&newest));
                 let (odd, closed) = (decoder.left_out_block(), decoder.known_closed_sector());

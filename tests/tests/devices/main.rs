@@ -1,6 +1,7 @@
 //! Device drivers against recordings, against keys from documents, and against the simulator's own encoders.
 
 mod can_recordings;
+mod large_lidars;
 mod lidar_senders;
 mod microscan3_scans;
 mod sim_can;

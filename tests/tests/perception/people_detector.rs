@@ -30,7 +30,7 @@ fn few_objects_are_taken_for_people() {
         ("vlp16_packets/cu_vlp16_single_600rpm.pcap.gz", 0.1),
     ] {
         let Some(capture) = recording(name) else { return };
-        let report = evaluate::false_people(&capture, None).expect("readable");
+        let report = evaluate::false_people(&capture, None, 0.0).expect("readable");
         println!("{name}: {report:?}");
         assert!(report.false_people_in_first_second <= first_max, "{name}: {report:?}");
     }
@@ -39,7 +39,7 @@ fn few_objects_are_taken_for_people() {
     else {
         return;
     };
-    let report = evaluate::false_people(&capture, Some(&key)).expect("readable");
+    let report = evaluate::false_people(&capture, Some(&key), 0.0).expect("readable");
     println!("{report:?}");
     assert!(report.false_people_in_first_second <= 2.0, "{report:?}");
     assert!(report.false_people_after_ten_seconds.is_some_and(|after| after <= 0.5), "{report:?}");

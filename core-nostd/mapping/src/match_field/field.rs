@@ -33,9 +33,9 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
 
     /// Writes a return, in the field's frame. Cost: (2 reach / edge)² cells, and somewhat more for the coarse level.
     pub fn insert(&mut self, point: Point2) {
-        let fine = Stamp { geometry: *self.fine.geometry(), reach_m: self.reach_m, shift: 0 };
-        fine.write(self.fine.values_mut(), point);
-        Stamp { shift: COARSE_SHIFT, ..fine }.write(self.coarse.values_mut(), point);
+        let geometry = *self.fine.geometry();
+        let stamp = Stamp { geometry, reach_m: self.reach_m, shift: COARSE_SHIFT };
+        stamp.write(self.fine.values_mut(), self.coarse.values_mut(), point);
     }
 
     /// The levels, fine first.
@@ -77,5 +77,46 @@ pub fn coarsen(source: FieldLevel<'_>, target: &mut [u8]) {
 fn raise(values: &mut [u8], others: &[u8]) {
     for (value, other) in values.iter_mut().zip(others) {
         *value = (*value).max(*other);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+
+    use super::*;
+
+    #[test]
+    fn coarse_cells_are_the_largest_of_their_fine_ones() {
+        let geometry = GridGeometry::new(40, 30, 0.05, Point2::new(-1.0, -0.5)).unwrap();
+        let storage = || vec![0_u8; geometry.cell_count()];
+        let mut field = MatchField::new(geometry, [storage(), storage()], 0.25).unwrap();
+        // Amid the grid, at its corners, beside it, and nowhere.
+        let places = [[0.013, 0.027], [-0.99, -0.49], [0.98, 0.97], [1.1, 0.2], [-1.2, 0.9], [9.0, 9.0]];
+        for [x_m, y_m] in places {
+            field.insert(Point2::new(x_m, y_m));
+        }
+        field.insert(Point2::new(f32::NAN, 0.0));
+        let [fine, coarse] = field.levels();
+        let mut seen = 0;
+        for row in 0..30 {
+            for column in 0..40 {
+                let centre = [(column, -1.0_f32), (row, -0.5)]
+                    .map(|(cell, origin)| origin + 0.05 * (cell as f32 + 0.5));
+                let away = |[x, y]: &[f32; 2]| libm::hypotf(x - centre[0], y - centre[1]);
+                let nearest = places.iter().map(away).fold(f32::INFINITY, f32::min);
+                let expected = (1.0 - nearest / 0.25).max(0.0) * 255.0;
+                let value = fine.at(column, row);
+                assert!((f32::from(value) - expected).abs() <= 0.6, "{column} {row}: {value} {expected}");
+                seen += i32::from(value > 0);
+                let window = (0..4).flat_map(|down| (0..4).map(move |right| (column + right, row + down)));
+                let largest = window.map(|(column, row)| fine.at(column, row)).max().unwrap_or(0);
+                // At the rim a coarse cell also bounds what a return beside the grid would have there.
+                let is_inside = column < 36 && row < 26;
+                assert!(coarse.at(column, row) >= largest, "{column} {row}");
+                assert!(!is_inside || coarse.at(column, row) == largest, "{column} {row}");
+            }
+        }
+        assert!(seen > 100, "{seen}");
     }
 }

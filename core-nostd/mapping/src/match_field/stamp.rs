@@ -1,9 +1,9 @@
-//! A return written into a level of a field.
+//! A return written into both levels of a field.
 
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{nearest_f32, saturating_i32, saturating_u8};
 
-use crate::grid::{GRID_SIDE_MAX, GridGeometry};
+use crate::grid::GridGeometry;
 
 /// How a return is written.
 #[derive(Clone, Copy, Debug)]
@@ -12,50 +12,95 @@ pub(super) struct Stamp {
     pub(super) geometry: GridGeometry,
     /// Distance at which the value has fallen to zero, metres.
     pub(super) reach_m: f32,
-    /// Level, as in `FieldLevel`.
+    /// Level of the coarse values, as in `FieldLevel`; at most [`SHIFT_MAX`].
     pub(super) shift: u8,
 }
 
 /// Cells that a return can reach along one direction, at most.
 const REACH_CELLS_MAX: i32 = 64;
+/// The coarsest level that is written with a return.
+pub(super) const SHIFT_MAX: u8 = 3;
+/// Values of a row of a return, with what the coarse level adds at its start.
+const ROW: usize = 2 * 64 + 2 + 7;
+
+/// The square of cells that a return reaches, and the return itself, in cells: cell c has its centre at c.
+struct Reached {
+    x: f32,
+    y: f32,
+    reach: f32,
+    left: i32,
+    low: i32,
+    high: i32,
+    count: usize,
+}
 
 impl Stamp {
-    /// Raises the values around a point.
-    pub(super) fn write(&self, values: &mut [u8], point: Point2) {
-        let cells_per_metre = self.geometry.cells_per_metre();
-        let origin = self.geometry.origin_in_map();
-        // In cells, so that cell c has its centre at c.
-        let x = (point.x_m - origin.x_m) * cells_per_metre - 0.5;
-        let y = (point.y_m - origin.y_m) * cells_per_metre - 0.5;
-        let reach = (self.reach_m * cells_per_metre).min(nearest_f32(REACH_CELLS_MAX));
-        let window = (1_i32 << self.shift.min(6)).saturating_sub(1);
-        let near = |value: f32| saturating_i32(libm::ceilf(value - reach));
-        let far = |value: f32| saturating_i32(libm::floorf(value + reach));
-        let (width, height) = (i32::from(self.geometry.width()), i32::from(self.geometry.height()));
-        let (left, right) = (near(x).saturating_sub(window).max(0), far(x).min(width.saturating_sub(1)));
-        let (low, high) = (near(y).saturating_sub(window).max(0), far(y).min(height.saturating_sub(1)));
-        if left > right || reach <= 0.0 {
-            return;
-        }
-        let nearest = |value: f32| saturating_i32(libm::roundf(value));
-        let (nearest_x, nearest_y) = (nearest(x), nearest(y));
-        for row in low..=high.min(GRID_SIDE_MAX) {
-            let away_y = y - nearest_f32(closest(nearest_y, row, window));
-            let (Some(first), Some(last)) = (self.geometry.index(left, row), self.geometry.index(right, row))
-            else {
-                continue;
+    /// Raises the values around a point. A coarse cell bounds the fine ones that begin at it: each fine row is spread to the left
+    /// and raises the coarse rows of which it is part.
+    pub(super) fn write(&self, fine: &mut [u8], coarse: &mut [u8], point: Point2) {
+        let Some(reached) = self.reached(point) else { return };
+        let window = (1_i32 << self.shift.min(SHIFT_MAX)).saturating_sub(1);
+        let lead = usize::try_from(window).unwrap_or(0);
+        let mut row_values = [0_u8; ROW];
+        let mut spread = [0_u8; ROW];
+        for row in reached.low..=reached.high.min(reached.low.saturating_add(2 * REACH_CELLS_MAX + 1)) {
+            let Some(values) = row_values.get_mut(lead..lead.saturating_add(reached.count)) else { return };
+            reached.values(row, values);
+            self.raise(fine, (reached.left, row), values);
+            let whole = lead.saturating_add(reached.count);
+            let (Some(source), Some(target)) = (row_values.get(..whole), spread.get_mut(..whole)) else {
+                return;
             };
-            for (column, value) in (left..=right).zip(values.get_mut(first..=last).unwrap_or_default()) {
-                let away_x = x - nearest_f32(closest(nearest_x, column, window));
-                let share = 1.0 - libm::sqrtf(away_x * away_x + away_y * away_y) / reach;
-                // Between 0 and 255: negative shares saturate to 0.
-                *value = (*value).max(saturating_u8(share * 255.0 + 0.5));
+            target.copy_from_slice(source);
+            for by in 1..=lead.min(7) {
+                let later = source.get(by..).unwrap_or_default();
+                target.iter_mut().zip(later).for_each(|(value, other)| *value = (*value).max(*other));
+            }
+            for below in 0..=window.min(7) {
+                self.raise(coarse, (reached.left.saturating_sub(window), row.saturating_sub(below)), target);
             }
         }
     }
+
+    fn reached(&self, point: Point2) -> Option<Reached> {
+        let cells_per_metre = self.geometry.cells_per_metre();
+        let origin = self.geometry.origin_in_map();
+        let x = (point.x_m - origin.x_m) * cells_per_metre - 0.5;
+        let y = (point.y_m - origin.y_m) * cells_per_metre - 0.5;
+        let reach = (self.reach_m * cells_per_metre).min(nearest_f32(REACH_CELLS_MAX));
+        let near = |value: f32| saturating_i32(libm::ceilf(value - reach));
+        let far = |value: f32| saturating_i32(libm::floorf(value + reach));
+        let (width, height) = (i32::from(self.geometry.width()), i32::from(self.geometry.height()));
+        let (left, right, low, high) = (near(x), far(x), near(y), far(y));
+        let is_beside = right < 0 || high < 0 || left >= width || low >= height;
+        let count = usize::try_from(right.saturating_sub(left).saturating_add(1)).ok()?;
+        (reach > 0.0 && !is_beside).then_some(Reached { x, y, reach, left, low, high, count })
+    }
+
+    /// Makes values at least as large as others; what lies beside the grid is left out.
+    fn raise(&self, values: &mut [u8], (left, row): (i32, i32), others: &[u8]) {
+        let width = i32::from(self.geometry.width());
+        let hidden = usize::try_from(left.min(0).unsigned_abs()).unwrap_or(usize::MAX);
+        let seen = usize::try_from(width.saturating_sub(left.max(0))).unwrap_or(0);
+        let others = others.get(hidden..).unwrap_or_default();
+        let others = others.get(..seen.min(others.len())).unwrap_or_default();
+        let Some(first) = self.geometry.index(left.max(0), row) else { return };
+        let cells = values.get_mut(first..first.saturating_add(others.len())).unwrap_or_default();
+        cells.iter_mut().zip(others).for_each(|(value, other)| *value = (*value).max(*other));
+    }
 }
 
-/// Of the cells `cell` to `cell + window`, the nearest to another one.
-fn closest(nearest: i32, cell: i32, window: i32) -> i32 {
-    nearest.clamp(cell, cell.saturating_add(window))
+impl Reached {
+    /// The values of the cells of a row.
+    fn values(&self, row: i32, values: &mut [u8]) {
+        let away_y = self.y - nearest_f32(row);
+        let first = nearest_f32(self.left);
+        let per_cell = 255.0 / self.reach;
+        for (index, value) in values.iter_mut().enumerate() {
+            let away_x = self.x - (first + nearest_f32(index));
+            let away = libm::sqrtf(away_x * away_x + away_y * away_y);
+            // Between 0 and 255: negative shares saturate to 0.
+            *value = saturating_u8(255.5 - away * per_cell);
+        }
+    }
 }

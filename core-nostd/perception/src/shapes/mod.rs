@@ -6,3 +6,4 @@ pub mod classify;
 pub mod person_model;
 mod person_table;
 pub mod shape;
+pub(crate) mod waist;

@@ -15,6 +15,8 @@ pub enum Explanation {
     /// It never moved, and on the mean of all sweeps its shape is rather not a person's; a sweep that shows its place
     /// open without it speaks against it, too.
     UnlikelyShape,
+    /// Above the hip a part of it is narrower than a neck, between broader ones: a tripod with an instrument on it. It never moved.
+    NarrowWaist,
     /// What stands out of a larger object and has been rigid for ten seconds: no breath, no sway.
     RigidPart,
     /// Only a scanner ever saw it, as a pair of legs, and it never walked: legs of chairs come in pairs, too.
@@ -28,6 +30,7 @@ impl Explanation {
         match self {
             Self::GoesOnAbove => "goes on above",
             Self::UnlikelyShape => "unlikely shape",
+            Self::NarrowWaist => "narrow waist",
             Self::RigidPart => "rigid part",
             Self::LegsThatNeverWalked => "legs that never walked",
         }
@@ -54,6 +57,8 @@ impl Surroundings {
     pub const ABOVE: Self = Self(1);
     /// It was cut out of a larger object, which it stands out of.
     pub const PART: Self = Self(2);
+    /// A part of it is narrower than a neck, between broader ones.
+    pub const WAIST: Self = Self(4);
 
     /// With both.
     #[must_use]
@@ -100,6 +105,7 @@ pub(super) struct Evidence {
     sweeps: f32,
     above: u8,
     part: u8,
+    waist: u8,
     has_moved: bool,
     /// Where it stands, and since when it has not left that place.
     home: Point2,
@@ -125,6 +131,7 @@ impl Evidence {
             sweeps: 0.0,
             above: 0,
             part: 0,
+            waist: 0,
             has_moved: false,
             home: position,
             rigid_since: stamp,
@@ -137,6 +144,7 @@ impl Evidence {
         self.weigh(share * seen.log_odds);
         self.above = counted(self.above, seen.surroundings.has(Surroundings::ABOVE));
         self.part = counted(self.part, seen.surroundings.has(Surroundings::PART));
+        self.waist = counted(self.waist, seen.surroundings.has(Surroundings::WAIST));
         if self.home.distance(seen.position) > RIGID_M + RIGID_PER_M * seen.distance_m {
             (self.home, self.rigid_since) = (seen.position, seen.stamp);
         }
@@ -176,6 +184,8 @@ impl Evidence {
         let is_rigid = matches!(self.rigid_since.age(now), Age::Past(age_us) if age_us >= RIGID_US);
         if self.above >= AGREE_MIN {
             Some(Explanation::GoesOnAbove)
+        } else if self.waist >= AGREE_MIN {
+            Some(Explanation::NarrowWaist)
         } else if self.part >= AGREE_MIN && is_rigid {
             Some(Explanation::RigidPart)
         } else {

@@ -23,6 +23,10 @@ impl Entry for u16 {
     const BLANK: Self = 0;
 }
 
+impl Entry for i16 {
+    const BLANK: Self = 0;
+}
+
 impl Entry for u32 {
     const BLANK: Self = 0;
 }

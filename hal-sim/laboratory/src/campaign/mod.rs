@@ -1,6 +1,7 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
 mod contacts;
+mod driving;
 mod encounters;
 mod fault_class;
 mod fault_matrix;
@@ -17,6 +18,7 @@ pub use contacts::{
     ContactRow, ContactSummary, FamilyCounts, TapedContactTrial, contact_plan, contact_trial,
     contact_trial_with, taped_contact_trial,
 };
+pub use driving::{DRIVE_S, DrivingPlace, drive, rate95};
 pub use encounters::encounter;
 pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};

@@ -44,6 +44,10 @@ pub struct CampaignSummary {
     pub distance_m: f64,
     /// Sum over all runs, seconds of robot time.
     pub duration_s: f64,
+    /// Of them, those in which the robot moved.
+    pub moving_s: f64,
+    /// Sum over all runs: stops while nothing was near the path of the body, by true geometry.
+    pub stops_without_need: u32,
     /// Fingerprint of all fingerprints.
     pub digest: String,
 }
@@ -73,6 +77,8 @@ pub fn run_some<C: Sync>(
             summary.stop_latency_max_ms = summary.stop_latency_max_ms.max(verdict.stop_latency_ms.max);
             summary.distance_m += verdict.distance_m;
             summary.duration_s += verdict.duration_s;
+            summary.moving_s += verdict.bodies.duration_s * verdict.bodies.moving_share;
+            summary.stops_without_need += verdict.bodies.nuisance_stops;
             digest.add(verdict.digest.as_bytes());
         }
         if outcome.failure.is_some() {

@@ -8,6 +8,7 @@ use floorguard_perception::motion::{MotionDetector, MotionParameters, find_movin
 use floorguard_perception::people::{PeoplePipeline, RingAngles, Track, TrackStatus};
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::frames::{capture_frames, standing_context};
@@ -72,17 +73,39 @@ const GAP_FRAMES: u64 = 10;
 /// Time that a keyed person takes to be confirmed, in frames of a tenth of a second.
 const CONFIRMED_FRAMES: u64 = 5;
 
-/// Plays the capture through the robot's stages. The key has columns `frame`, `time_s`, `track`, `x` and `y`.
+/// Plays the capture through the robot's stages, forth and back until so many minutes have passed, at least once. The key has
+/// columns `frame`, `time_s`, `track`, `x` and `y`.
 ///
 /// # Errors
 /// A file cannot be read or has another form.
-pub fn false_people(capture: &Path, key: Option<&Path>) -> anyhow::Result<FalsePeopleReport> {
+pub fn false_people(capture: &Path, key: Option<&Path>, minutes: f32) -> anyhow::Result<FalsePeopleReport> {
     let key = key.map(read_key).transpose()?.unwrap_or_default();
     let sweeps = capture_frames(capture)?;
-    Ok(judge(&sweeps, &key))
+    Ok(judge(&sweeps, &key, minutes))
 }
 
-fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
+/// Sweeps of three hours: no more are played, even where time stands still.
+const SWEEPS_MAX: usize = 108_000;
+
+/// Which sweep comes when: forth, back, and forth again, in steps as long as they were. Nobody leaps where it turns.
+fn forth_and_back(sweeps: &[Box<Sweep>], minutes: f32) -> Vec<(usize, Stamp)> {
+    let Some(first) = sweeps.first() else { return Vec::new() };
+    let back = (1..sweeps.len().saturating_sub(1)).rev();
+    let (mut order, mut now, mut before) = (Vec::new(), first.end_stamp, first.end_stamp);
+    for index in (0..sweeps.len()).chain(back).cycle() {
+        let stamp = sweeps[index].end_stamp;
+        now = now.plus_micros(before.past_us(stamp).max(stamp.past_us(before)));
+        before = stamp;
+        let is_over = now.seconds_since(first.end_stamp) > 60.0 * minutes || order.len() >= SWEEPS_MAX;
+        if order.len() >= sweeps.len() && is_over {
+            break;
+        }
+        order.push((index, now));
+    }
+    order
+}
+
+fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow], minutes: f32) -> FalsePeopleReport {
     let angles = RingAngles::vlp16();
     let context = standing_context(sweeps, &angles);
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
@@ -93,8 +116,12 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
     let mut explained: BTreeMap<&'static str, u64> = BTreeMap::new();
     let begins = sweeps.first().map(|sweep| sweep.end_stamp);
     let mut seconds = 0.0;
-    for (frame, sweep) in sweeps.iter().enumerate() {
-        let output = find_moving_people(&mut pipeline, &mut motion, sweep, &context);
+    let order = forth_and_back(sweeps, minutes);
+    let mut sweep = Box::new(Sweep::EMPTY);
+    for (frame, now) in &order {
+        let frame = *frame;
+        retime(&mut sweep, &sweeps[frame], *now);
+        let output = find_moving_people(&mut pipeline, &mut motion, &sweep, &context);
         seconds = begins.map_or(0.0, |begins| sweep.end_stamp.seconds_since(begins));
         let people = keyed(key, frame as u64);
         let claims: Vec<(u64, Point2)> = { output.tracks.iter() }
@@ -116,11 +143,7 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
                 covered_later.add(is_covered);
             }
         }
-        let is_unkeyed = |column: usize| pairs.iter().all(|(_, claim)| *claim != column);
-        let between = unseen(key, frame as u64);
-        let is_excused = |place: Point2| between.iter().any(|person| person.distance(place) <= GATE_M as f32);
-        let unkeyed = { claims.iter().enumerate() }.filter(|(column, _)| is_unkeyed(*column));
-        let false_claims = unkeyed.filter(|(_, (_, place))| !is_excused(*place)).count();
+        let false_claims = false_claims(&claims, &pairs, &unseen(key, frame as u64));
         all.add(false_claims);
         if seconds < BEGINNING_S {
             first.add(false_claims);
@@ -128,9 +151,9 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
             later.add(false_claims);
         }
     }
-    let count = sweeps.len().max(1) as f64;
+    let count = order.len().max(1) as f64;
     FalsePeopleReport {
-        sweeps: sweeps.len() as u64,
+        sweeps: order.len() as u64,
         seconds,
         key_people: covered.of,
         key_claimed: covered.value(),
@@ -141,6 +164,21 @@ fn judge(sweeps: &[Box<Sweep>], key: &[KeyRow]) -> FalsePeopleReport {
         false_people_after_ten_seconds: later.value(),
         explained: { explained.into_iter() }.map(|(reason, times)| (reason, times as f64 / count)).collect(),
     }
+}
+
+/// The same sweep at another time.
+fn retime(sweep: &mut Sweep, recorded: &Sweep, end: Stamp) {
+    sweep.clone_from(recorded);
+    let took_us = recorded.stamp.past_us(recorded.end_stamp);
+    (sweep.stamp, sweep.end_stamp) = (end.minus_micros(took_us), end);
+}
+
+/// Claims that fit no keyed person, and none whom the key leaves out for a moment.
+fn false_claims(claims: &[(u64, Point2)], pairs: &[(usize, usize)], between: &[Point2]) -> usize {
+    let is_unkeyed = |column: usize| pairs.iter().all(|(_, claim)| *claim != column);
+    let is_excused = |place: Point2| between.iter().any(|person| person.distance(place) <= GATE_M as f32);
+    let unkeyed = { claims.iter().enumerate() }.filter(|(column, _)| is_unkeyed(*column));
+    unkeyed.filter(|(_, (_, place))| !is_excused(*place)).count()
 }
 
 /// What explains a track that would be a person without it.

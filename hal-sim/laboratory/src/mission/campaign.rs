@@ -70,11 +70,18 @@ pub struct StrategySummary {
     pub unreachable_cells: f64,
     /// Mean error of the most likely particle, metres.
     pub localisation_error_m: f64,
+    /// Missions that ended more than 0.5 m off their place: the robot believed to be elsewhere, and did not know it.
+    pub ended_astray: u64,
+    /// How far off its place the worst one ended, metres.
+    pub farthest_astray_m: f64,
     /// Contacts with people while moving, over all missions.
     pub avoidable_contacts: u64,
     /// Faults, over all missions.
     pub faults: u64,
 }
+
+/// A mission that ends farther off its place than this has lost it, metres.
+const ASTRAY_M: f32 = 0.5;
 
 /// The monitor of a campaign: progress and early end.
 pub struct RunMonitor<'a> {
@@ -208,6 +215,8 @@ impl StrategyTrials {
             given_up_cells: average(|t| f64::from(t.given_up_cells)),
             unreachable_cells: average(|t| f64::from(t.unreachable_cells)),
             localisation_error_m: average(|t| f64::from(t.mean_error_m)),
+            ended_astray: sum(|t| u32::from(t.off_at_end_m() > ASTRAY_M)),
+            farthest_astray_m: trials.iter().map(|t| f64::from(t.off_at_end_m())).fold(0.0, f64::max),
             avoidable_contacts: sum(|t| t.avoidable_contacts),
             faults: sum(|t| t.faults),
         }

@@ -72,3 +72,11 @@ pub struct TrialResult {
     /// Units picked up, and where the robot believed to be.
     pub hits: Vec<(Point2, u32)>,
 }
+
+impl TrialResult {
+    /// How far the robot was from where it believed to be at the last update, metres.
+    #[must_use]
+    pub fn off_at_end_m(&self) -> f32 {
+        self.errors.last().map_or(0.0, |(_, off_m)| *off_m)
+    }
+}

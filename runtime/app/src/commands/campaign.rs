@@ -11,7 +11,8 @@ use super::exit::{Unfinished, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::campaign::{
-    CampaignSummary, Cell, cell_of, coverage, encounter, fault_trial, run_seeds_until, single_fault,
+    CampaignSummary, Cell, DrivingPlace, cell_of, coverage, drive, encounter, fault_trial, rate95,
+    run_seeds_until, single_fault,
 };
 
 /// Kinds of campaigns.
@@ -25,6 +26,10 @@ pub enum CampaignKind {
     Faults,
     /// Worlds that hurt: boards, low boxes, forks, glass, edges, people behind shelves; turns, spins, reverse.
     Contacts,
+    /// Drives of two minutes without people among furniture of every kind: stops without need an hour.
+    Furniture,
+    /// The same in empty halls.
+    EmptyHalls,
     /// Adds up the files that `contacts --record` wrote on several machines.
     Merge,
 }
@@ -73,12 +78,18 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     match arguments.kind {
         CampaignKind::Contacts => return contacts(arguments).run(&bar),
         CampaignKind::Merge => return merge(&arguments.files, arguments.json),
-        CampaignKind::Encounters | CampaignKind::SingleFaults | CampaignKind::Faults => {}
+        CampaignKind::Encounters
+        | CampaignKind::SingleFaults
+        | CampaignKind::Faults
+        | CampaignKind::Furniture
+        | CampaignKind::EmptyHalls => {}
     }
     let one = |seed| {
         let outcome = match arguments.kind {
             CampaignKind::Encounters => encounter(seed),
             CampaignKind::SingleFaults => single_fault(seed),
+            CampaignKind::Furniture => drive(DrivingPlace::Furniture, seed),
+            CampaignKind::EmptyHalls => drive(DrivingPlace::EmptyHall, seed),
             _ => fault_trial(arguments.seed, seed).1,
         };
         bar.inc(1);
@@ -96,6 +107,9 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
         tell!("{}", serde_json::to_string(&summary)?)?;
     } else {
         show(&summary);
+        if matches!(arguments.kind, CampaignKind::Furniture | CampaignKind::EmptyHalls) {
+            show_rate(&summary);
+        }
         if is_matrix && !is_cut {
             show_coverage(trials);
         }
@@ -156,6 +170,20 @@ fn show(summary: &CampaignSummary) {
         say!("failed: {}\n  {}", failure.failure.as_deref().unwrap_or_default(), failure.command);
     }
     say!("digest of all runs {}", summary.digest);
+}
+
+/// How often it stopped while nothing was near its path.
+fn show_rate(summary: &CampaignSummary) {
+    let hours = summary.moving_s / 3_600.0;
+    if hours > 0.0 {
+        let stops = summary.stops_without_need;
+        let (low, high) = rate95(stops, hours);
+        say!(
+            "by true geometry {stops} stops without need in {hours:.2} h of driving: {:.2} an hour (95 %: {low:.2} to \
+             {high:.2})",
+            f64::from(stops) / hours
+        );
+    }
 }
 
 fn show_coverage(trials: std::ops::Range<u64>) {

@@ -77,6 +77,9 @@ pub enum RecordedStage {
         /// Who was where: rows of frame, time_s, track, x, y, named in the first line. Without it the place was empty.
         #[arg(long)]
         key: Option<PathBuf>,
+        /// Play it forth and back for so many minutes: who stands for long must stay a person.
+        #[arg(long, default_value_t = 0.0)]
+        minutes: f32,
     },
     /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
     #[command(after_help = "Example:\n  floorguard eval tracks --truth truth.txt --result result.txt")]
@@ -174,7 +177,9 @@ pub(super) fn run(stage: &RecordedStage, json: bool) -> anyhow::Result<()> {
         }
         RecordedStage::Walker { scans, truth } => print(&evaluate::walker(scans, truth.as_deref())?, json),
         RecordedStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, json),
-        RecordedStage::People { file, key } => print(&evaluate::false_people(file, key.as_deref())?, json),
+        RecordedStage::People { file, key, minutes } => {
+            print(&evaluate::false_people(file, key.as_deref(), *minutes)?, json)
+        }
         RecordedStage::Dirt { folder, out } => print(&evaluate::dirt(folder, out.as_deref())?, json),
         RecordedStage::Floor { depth, intrinsics, truth, height_m, pitch_deg, out } => {
             let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);

@@ -10,7 +10,8 @@ use super::exit::Unfinished;
 use super::heartbeat::Heartbeat;
 use super::interrupt::end_at_ctrl_c;
 use super::mission_table::MissionTable;
-use super::{BadInput, VerdictFailed, WrongUsage};
+use super::mission_verdict::verdict;
+use super::{BadInput, WrongUsage};
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
     FaultKind, FaultRates, Guarantee, Interrupted, Memory, MissionConfig, MissionStorage, Robot, RunMonitor,
@@ -359,22 +360,5 @@ fn status_report(
     let page = write_status(folder, &status, column.strategy.name())
         .map_err(|error| BadInput(format!("{error:#}")))?;
     say!("{}\nreport in {}", status.sentence(), page.display());
-    Ok(())
-}
-
-/// The guarantee fails if its false claims are too many beyond doubt.
-fn verdict(summaries: &[StrategySummary], delta: f64) -> anyhow::Result<()> {
-    for s in summaries.iter().filter(|s| s.strategy == Strategy::Guarantee.name()) {
-        if s.falsely_claimed_interval95.0 > delta {
-            return Err(VerdictFailed(format!(
-                "{} of {} claimed cells are not clean: {:.2} % where {:.2} % are allowed",
-                s.falsely_claimed_cells,
-                s.claimed_cells,
-                100.0 * s.falsely_claimed_share,
-                100.0 * delta
-            ))
-            .into());
-        }
-    }
     Ok(())
 }

@@ -32,6 +32,8 @@ mod map_here;
 mod mission;
 #[cfg(feature = "laboratory")]
 mod mission_table;
+#[cfg(feature = "laboratory")]
+mod mission_verdict;
 mod panel;
 mod report;
 mod run;

@@ -91,3 +91,66 @@ fn samples_and_frames_become_rows() {
         );
     }
 }
+
+/// A recording in which nobody can be looked for is called by its name, with the command that takes it.
+#[test]
+fn replay_names_what_it_cannot_play() {
+    for (name, kind, command) in [
+        ("can_canopen/navican_two_wheel_cia402_start.candump.txt", "candump", "floorguard decode --csv"),
+        ("xsens_mti/1_output.bin", "Xsens MTi", "floorguard decode --csv"),
+        ("trajectories/eth_obsmat.txt.gz", "tracks of people", "floorguard learn"),
+        ("vlp16_clouds/acfr_lab/pose01_full.pcd.gz", "point cloud", "floorguard eval ground"),
+    ] {
+        let Some(path) = recording(name) else { continue };
+        let replay = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("replay").arg(&path).output();
+        let output = replay.expect("the program starts");
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{words}");
+        assert!(words.contains(kind) && words.contains(command), "{words}");
+    }
+}
+
+/// A lidar that is set to half a turn is silent for half of each: no gap, and no block with a fault.
+#[test]
+fn closed_sector_is_no_gap_in_a_capture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("half.pcap");
+    std::fs::write(&path, half_turns()).expect("written");
+    let page = page(&path);
+    assert!(page["streams"][0]["fields"].to_string().contains("a field of view is set"), "{page}");
+    assert_eq!(page["streams"][0]["faults"].to_string(), "[]", "{page}");
+}
+
+/// A capture of ten turns of a VLP-16 at 600 turns a minute of which only the front half is sent.
+fn half_turns() -> Vec<u8> {
+    const BLOCK_NS: u64 = 110_592;
+    let mut file = Vec::new();
+    for word in [0xa1b2_c3d4_u32, 0x0004_0002, 0, 0, 65_535, 1] {
+        file.extend(word.to_le_bytes());
+    }
+    let azimuth = |number: u64| number * BLOCK_NS % 100_000_000 * 36_000 / 100_000_000;
+    let numbers = (0..1_000_000_000 / BLOCK_NS).filter(|number| !(9_000..27_000).contains(&azimuth(*number)));
+    for blocks in numbers.collect::<Vec<u64>>().as_chunks::<12>().0 {
+        let mut bytes = vec![0; 42];
+        bytes[12..14].copy_from_slice(&[8, 0]);
+        bytes[14] = 0x45;
+        bytes[16..18].copy_from_slice(&1_234_u16.to_be_bytes());
+        bytes[23] = 17;
+        bytes[36..38].copy_from_slice(&2_368_u16.to_be_bytes());
+        bytes[38..40].copy_from_slice(&1_214_u16.to_be_bytes());
+        for number in blocks {
+            bytes.extend([0xff, 0xee]);
+            bytes.extend((azimuth(*number) as u16).to_le_bytes());
+            (0..32).for_each(|_| bytes.extend([0xf4, 0x01, 50]));
+        }
+        bytes.extend(((blocks[0] * BLOCK_NS / 1_000) as u32).to_le_bytes());
+        bytes.extend([0x37, 0x22]);
+        let at_us = 5_000_000 + (blocks[11] + 1) * BLOCK_NS / 1_000;
+        let length = bytes.len() as u32;
+        for word in [(at_us / 1_000_000) as u32, (at_us % 1_000_000) as u32, length, length] {
+            file.extend(word.to_le_bytes());
+        }
+        file.extend(bytes);
+    }
+    file
+}

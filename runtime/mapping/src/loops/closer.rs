@@ -1,6 +1,6 @@
 //! Searches loops while the path grows.
 
-use std::collections::BTreeMap;
+use std::collections::VecDeque;
 
 use floorguard_localisation::scan_matching::{
     Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, Refined, SearchScratch,
@@ -37,7 +37,10 @@ pub struct LoopCloser {
     config: LoopConfig,
     /// The stretches so far.
     pub stretches: Vec<Stretch>,
-    fields: BTreeMap<usize, StretchField>,
+    /// Searched fields of the last few stretches that were needed, the latest last.
+    fields: VecDeque<(usize, StretchField)>,
+    /// Pairs that wait for their search, in two steps: field, search.
+    pub(super) waiting: VecDeque<Waiting>,
     /// Accepted loops between stretches.
     pub(super) links: Vec<[usize; 2]>,
     pub(super) next_node: usize,
@@ -47,6 +50,18 @@ pub struct LoopCloser {
     pub statistics: LoopStatistics,
 }
 
+/// A pair of stretches that is to be compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Waiting {
+    pub(super) stretch: usize,
+    pub(super) other: usize,
+    /// Path between both, metres.
+    pub(super) path_m: f64,
+    pub(super) has_field: bool,
+}
+
+/// Fields that are kept: some megabytes each.
+const FIELDS_KEPT: usize = 12;
 /// Blocks that a search can keep.
 const BLOCKS: usize = 200_000;
 
@@ -57,7 +72,8 @@ impl LoopCloser {
         Self {
             config,
             stretches: Vec::new(),
-            fields: BTreeMap::new(),
+            fields: VecDeque::new(),
+            waiting: VecDeque::new(),
             links: Vec::new(),
             next_node: 0,
             cells: Vec::new(),
@@ -66,28 +82,44 @@ impl LoopCloser {
         }
     }
 
-    /// Looks for loops of the stretches that have become complete; `poses` are the best ones in the map so far, `views`
-    /// the scans by bearing. With `is_last`, the rest of the path is a stretch, too.
-    pub fn advance(&mut self, nodes: &[Node], views: &[ScanView], poses: &[Se2], is_last: bool) -> Vec<Edge> {
-        let mut edges = Vec::new();
+    /// Cuts off the next stretch that has become complete, and names the earlier ones that it is to be compared with; `poses` are
+    /// the best ones in the map so far. With `is_last`, the rest of the path is a stretch, too. False: none was complete.
+    pub fn advance(&mut self, nodes: &[Node], poses: &[Se2], is_last: bool) -> bool {
         let mut travelled = 0.0;
-        let mut node = self.next_node;
-        while node + 1 < nodes.len() {
-            travelled += nodes[node].pose.distance(nodes[node + 1].pose);
-            node += 1;
+        for node in self.next_node + 1..nodes.len() {
+            travelled += nodes[node - 1].pose.distance(nodes[node].pose);
             if travelled >= self.config.stretch_m || node - self.next_node >= self.config.stretch_nodes {
-                edges.extend(self.complete(nodes, views, poses, node));
-                travelled = 0.0;
+                self.complete(nodes, poses, node);
+                return true;
             }
         }
-        if is_last && nodes.len() > self.next_node + 1 {
-            edges.extend(self.complete(nodes, views, poses, nodes.len()));
+        let is_rest = is_last && nodes.len() > self.next_node + 1;
+        if is_rest {
+            self.complete(nodes, poses, nodes.len());
         }
-        edges
+        is_rest
     }
 
-    fn complete(&mut self, nodes: &[Node], views: &[ScanView], poses: &[Se2], end: usize) -> Vec<Edge> {
-        let stretch = Stretch::new(nodes, self.next_node, end, self.config.thin_m);
+    /// All loops of the stretches that are complete, each stretch searched before the next one is cut off.
+    pub fn search_all(
+        &mut self,
+        (nodes, views): (&[Node], &[ScanView]),
+        poses: &[Se2],
+        is_last: bool,
+    ) -> Vec<Edge> {
+        let mut found = Vec::new();
+        loop {
+            while self.is_searching() {
+                found.extend(self.search_next(nodes, views, poses));
+            }
+            if !self.advance(nodes, poses, is_last) {
+                return found;
+            }
+        }
+    }
+
+    fn complete(&mut self, nodes: &[Node], poses: &[Se2], end: usize) {
+        let stretch = Stretch::new(nodes, self.next_node, end, &self.config);
         self.next_node = end;
         let index = self.stretches.len();
         self.stretches.push(stretch);
@@ -99,15 +131,61 @@ impl LoopCloser {
             .filter(|&(distance, other)| distance <= self.config.near_m + self.window_m(paths[other]))
             .collect();
         partners.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut edges = Vec::new();
-        for (_, other) in partners.into_iter().take(self.config.partners_most) {
-            self.statistics.searched += 1;
-            if let Some(edge) = self.compare((nodes, views), poses, [index, other], paths[other]) {
-                self.links.push([index, other]);
-                edges.push(edge);
-            }
+        let waiting = |(_, other): (f64, usize)| Waiting {
+            stretch: index,
+            other,
+            path_m: paths[other],
+            has_field: false,
+        };
+        self.waiting.extend(partners.into_iter().take(self.config.partners_most).map(waiting));
+    }
+
+    /// Whether pairs of stretches wait for their search.
+    #[must_use]
+    pub fn is_searching(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// Pairs of stretches that wait for their search.
+    #[must_use]
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Whether more pairs of the stretch that was joined last wait.
+    #[must_use]
+    pub fn goes_on(&self) -> bool {
+        let next = self.waiting.front().map(|waiting| waiting.stretch);
+        self.links.last().is_some_and(|[stretch, _]| next == Some(*stretch))
+    }
+
+    /// Takes the next step of the search that waits: makes a field, or searches a stretch in it. `views` are the scans by
+    /// bearing. A pair that a loop joined meanwhile is compared all the same: the way between both was long.
+    pub fn search_next(&mut self, nodes: &[Node], views: &[ScanView], poses: &[Se2]) -> Option<Edge> {
+        let next = *self.waiting.front()?;
+        self.prepare(next.other);
+        if !next.has_field {
+            self.waiting.front_mut()?.has_field = true;
+            return None;
         }
-        edges
+        self.waiting.pop_front();
+        self.statistics.searched += 1;
+        let edge = self.compare((nodes, views), poses, [next.stretch, next.other], next.path_m)?;
+        self.links.push([next.stretch, next.other]);
+        Some(edge)
+    }
+
+    /// Makes the field of a stretch, if it is not there, and puts it last.
+    fn prepare(&mut self, stretch: usize) {
+        let found = self.fields.iter().position(|(index, _)| *index == stretch);
+        let field = match found.and_then(|place| self.fields.remove(place)) {
+            Some(field) => Some(field),
+            None => self.stretches[stretch].field(&self.config).map(|field| (stretch, field)),
+        };
+        self.fields.extend(field);
+        while self.fields.len() > FIELDS_KEPT {
+            self.fields.pop_front();
+        }
     }
 
     fn window_m(&self, path_m: f64) -> f64 {
@@ -159,15 +237,11 @@ impl LoopCloser {
         path_m: f64,
     ) -> Option<Edge> {
         let config = self.config;
-        if !self.fields.contains_key(&other) {
-            let field = self.stretches[other].field(&config)?;
-            self.fields.insert(other, field);
-        }
         let (query, reference) = (&self.stretches[index], &self.stretches[other]);
-        let levels = self.fields.get(&other)?.levels();
+        let levels = self.fields.back().filter(|(kept, _)| *kept == other)?.1.levels();
         let expected = reference.place(poses).between(query.place(poses));
         let window = config.window(expected, path_m);
-        self.cells.resize(query.points.len(), CellOffset::default());
+        self.cells.resize(query.searched.len(), CellOffset::default());
         let found = observe(&levels, query, &window, (&mut self.cells, &mut self.blocks));
         let Some(found) = found else {
             self.statistics.unlike += 1;
@@ -209,7 +283,7 @@ impl LoopConfig {
             turn_step_rad: self.turn_step_rad,
             penalty: MotionPenalty::default(),
             excluded: None,
-            minimum_score: self.score_least * 0.7,
+            minimum_score: self.score_least * self.searched_share,
         }
     }
 
@@ -268,5 +342,5 @@ fn observe(
     window: &SearchWindow,
     (cells, blocks): (&mut [CellOffset], &mut [Candidate]),
 ) -> Option<Found> {
-    search(levels, &query.points, window, SearchScratch { cells, blocks })
+    search(levels, &query.searched, window, SearchScratch { cells, blocks })
 }

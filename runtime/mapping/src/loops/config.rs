@@ -15,6 +15,8 @@ pub struct LoopConfig {
     pub turn_step_rad: f32,
     /// Points of a stretch lie at least this far apart, metres.
     pub thin_m: f32,
+    /// Points of a stretch that are searched in another one, at most; all of them judge what was found.
+    pub searched_points: usize,
     /// Distance of stretches that can have seen the same, without any doubt about their places, metres.
     pub near_m: f64,
     /// Half the side of the search window without any doubt, metres.
@@ -27,6 +29,8 @@ pub struct LoopConfig {
     pub turn_window_rad: [f64; 3],
     /// Score that a place needs, 0 to 1.
     pub score_least: f32,
+    /// Share of that score that the search asks for, before the descent.
+    pub searched_share: f32,
     /// The second best place must lose at least so many times what the best place loses.
     pub loss_ratio: f32,
     /// Share of the points, at most, that lie where the other stretch saw through.
@@ -48,12 +52,14 @@ impl Default for LoopConfig {
             reach_m: 0.3,
             turn_step_rad: 0.02,
             thin_m: 0.15,
+            searched_points: 150,
             near_m: 5.0,
             window_m: 0.5,
             drift_share: 0.04,
             window_most_m: 10.0,
             turn_window_rad: [0.1, 0.005, 0.6],
             score_least: 0.6,
+            searched_share: 0.8,
             loss_ratio: 1.25,
             conflict_most: 0.12,
             overlap_least: 0.5,

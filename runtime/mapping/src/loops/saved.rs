@@ -24,7 +24,7 @@ impl LoopCloser {
         let mut closer = Self::new(config);
         closer.stretches = from.all(|from| {
             let (first, end) = (from.count()?, from.count()?);
-            (first < end && end <= nodes.len()).then(|| Stretch::new(nodes, first, end, config.thin_m))
+            (first < end && end <= nodes.len()).then(|| Stretch::new(nodes, first, end, &config))
         })?;
         closer.links = from.all(|from| Some([from.count()?, from.count()?]))?;
         closer.next_node = from.count()?;

@@ -21,6 +21,8 @@ pub struct Stretch {
     pub centre: usize,
     /// Returns in the stretch's frame, thinned.
     pub points: Vec<Point2>,
+    /// Some of them, evenly: what is searched in other stretches.
+    pub searched: Vec<Point2>,
 }
 
 /// Levels of the searched field: the coarsest bounds 64 × 64 cells.
@@ -35,7 +37,8 @@ pub struct StretchField {
 impl Stretch {
     /// From the scans `first..end`.
     #[must_use]
-    pub fn new(nodes: &[Node], first: usize, end: usize, thin_m: f32) -> Self {
+    pub fn new(nodes: &[Node], first: usize, end: usize, config: &LoopConfig) -> Self {
+        let thin_m = config.thin_m;
         let centre = first + (end - first) / 2;
         let origin = nodes[centre].pose;
         let mut taken = BTreeSet::new();
@@ -50,7 +53,9 @@ impl Stretch {
                 }
             }
         }
-        Self { first, end, centre, points }
+        let step = points.len().div_ceil(config.searched_points.max(1)).max(1);
+        let searched = points.iter().step_by(step).copied().collect();
+        Self { first, end, centre, points, searched }
     }
 
     /// The field that other stretches are searched in; `None` if it would have no extent. `margin_m` is added around.

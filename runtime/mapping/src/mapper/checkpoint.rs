@@ -10,7 +10,7 @@ use crate::refine::ScanView;
 use crate::saved::{Reading, Saving};
 
 /// The form of the bytes; another one is not read.
-const FORM: usize = 0x4647_4D41_5001;
+const FORM: usize = 0x4647_4D41_5002;
 
 /// A mapping that goes on.
 pub struct Resumed {
@@ -21,9 +21,13 @@ pub struct Resumed {
 }
 
 impl Mapper {
-    /// The mapping so far as bytes, after so many scans. `key` says of which input it is: the same one must be given again.
+    /// The mapping so far as bytes, after so many scans; `None` while loops are worked in, which takes some scans. `key` says of
+    /// which input it is: the same one must be given again.
     #[must_use]
-    pub fn checkpoint(&self, scans: u64, key: u64) -> Vec<u8> {
+    pub fn checkpoint(&self, scans: u64, key: u64) -> Option<Vec<u8>> {
+        if !self.is_settled() {
+            return None;
+        }
         let mut to = Saving::default();
         to.count(FORM);
         to.count(key as usize);
@@ -43,7 +47,7 @@ impl Mapper {
         self.loop_weights.iter().for_each(|weight| to.number(*weight));
         to.count(self.map_revision as usize);
         to.single(self.step_rad);
-        to.finish()
+        Some(to.finish())
     }
 
     /// Goes on from a checkpoint; `None` if it is cut, damaged, of another input, or of another version. The settings must be

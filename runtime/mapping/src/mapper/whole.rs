@@ -3,15 +3,18 @@
 use crate::front_end::{FrontEndConfig, Step, Tracker, interpolated, sequence_edges};
 use crate::input::ScanRecord;
 use crate::loops::{LoopCloser, LoopConfig};
-use crate::pose_graph::{Edge, Graph, RobustConfig, Unsolvable, optimise_robustly};
+use crate::pose_graph::{Edge, Graph, RobustConfig, RobustDescent, Unsolvable};
 use crate::refine::{AlignConfig, LocateConfig, ScanView, align, locate};
 use crate::se2::Se2;
 
 /// A loop that is off by less is closed by the alignment, metres.
 const REACH_OF_ALIGNMENT_M: f64 = 0.2;
 
+/// With every so many pairs that wait, one more step of the search is taken with a scan.
+const PAIRS_A_STEP: usize = 4;
+
 /// All settings.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapConfig {
     /// Tracking.
     pub front_end: FrontEndConfig,
@@ -23,6 +26,21 @@ pub struct MapConfig {
     pub align: AlignConfig,
     /// Scans between the kept ones.
     pub locate: LocateConfig,
+    /// Poses that are optimised with a scan, at most, unless the graph has more: some milliseconds.
+    pub poses_a_scan: usize,
+}
+
+impl Default for MapConfig {
+    fn default() -> Self {
+        Self {
+            front_end: FrontEndConfig::default(),
+            loops: LoopConfig::default(),
+            robust: RobustConfig::default(),
+            align: AlignConfig::default(),
+            locate: LocateConfig::default(),
+            poses_a_scan: 6_000,
+        }
+    }
 }
 
 /// Makes a map of scans.
@@ -42,6 +60,11 @@ pub struct Mapper {
     pub map_revision: u32,
     pub(super) views: Vec<ScanView>,
     pub(super) step_rad: f32,
+    /// Loops that wait for the next optimisation.
+    pub(super) found: Vec<Edge>,
+    descent: Option<RobustDescent>,
+    /// Edges of the sequence in that optimisation.
+    sequence_edges: usize,
 }
 
 impl Mapper {
@@ -58,6 +81,9 @@ impl Mapper {
             map_revision: 0,
             views: Vec::new(),
             step_rad: 0.01,
+            found: Vec::new(),
+            descent: None,
+            sequence_edges: 0,
         }
     }
 
@@ -67,7 +93,10 @@ impl Mapper {
     /// The graph cannot be solved.
     pub fn push(&mut self, record: &ScanRecord) -> Result<(), Unsolvable> {
         self.step_rad = record.step_rad;
-        let Step::Node(index) = self.tracker.push(record) else { return Ok(()) };
+        let Step::Node(index) = self.tracker.push(record) else {
+            self.work(self.config.poses_a_scan);
+            return Ok(());
+        };
         let node = &self.tracker.nodes[index];
         self.views.push(ScanView::new(&node.points, record.step_rad));
         let pose = match index.checked_sub(1).and_then(|before| Some((before, self.poses.get(before)?))) {
@@ -75,29 +104,64 @@ impl Mapper {
             None => node.pose,
         };
         self.poses.push(pose);
-        let found = self.closer.advance(&self.tracker.nodes, &self.views, &self.poses, false);
-        self.close(found)
-    }
-
-    fn close(&mut self, found: Vec<Edge>) -> Result<(), Unsolvable> {
-        if found.is_empty() {
-            return Ok(());
-        }
-        self.loops.extend(found);
-        let edges = sequence_edges(&self.tracker.nodes);
-        self.optimise(edges)
-    }
-
-    /// The poses that agree best with the edges of the sequence and with the loops.
-    fn optimise(&mut self, mut edges: Vec<Edge>) -> Result<(), Unsolvable> {
-        let first_loop = edges.len();
-        edges.extend(self.loops.iter().copied());
-        let mut graph = Graph { poses: std::mem::take(&mut self.poses), edges };
-        let outcome = optimise_robustly(&mut graph, &self.config.robust);
-        self.poses = graph.poses;
-        self.map_revision += 1;
-        self.loop_weights = outcome?.weights.split_off(first_loop);
+        self.closer.advance(&self.tracker.nodes, &self.poses, false);
+        self.work(self.config.poses_a_scan);
         Ok(())
+    }
+
+    /// The next piece of work on loops, so that no scan takes long: a step of the search, more of them the more pairs wait, and
+    /// steps of the optimisation, in all of so many poses.
+    fn work(&mut self, poses_most: usize) {
+        for _ in 0..=self.closer.waiting() / PAIRS_A_STEP {
+            let found = self.closer.search_next(&self.tracker.nodes, &self.views, &self.poses);
+            self.found.extend(found);
+        }
+        if let Some(descent) = &mut self.descent {
+            let count = descent.graph.poses.len().max(1);
+            let ended = (0..(poses_most / count).max(1)).find_map(|_| descent.step());
+            if let Some(outcome) = ended {
+                self.adopt(outcome.weights);
+            }
+        } else if !self.found.is_empty() && !self.closer.goes_on() {
+            self.begin(sequence_edges(&self.tracker.nodes));
+        }
+    }
+
+    /// Begins the search for the poses that agree best with the edges of the sequence and with the loops.
+    fn begin(&mut self, mut edges: Vec<Edge>) {
+        self.loops.append(&mut self.found);
+        self.sequence_edges = edges.len();
+        edges.extend(self.loops.iter().copied());
+        let graph = Graph { poses: self.poses.clone(), edges };
+        self.descent = Some(RobustDescent::new(graph, self.config.robust));
+    }
+
+    /// Whether no work on loops is left over for the next scans.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.descent.is_none() && self.found.is_empty() && !self.closer.is_searching()
+    }
+
+    /// Does all the work that is left.
+    fn settle(&mut self) {
+        while !self.is_settled() {
+            self.work(usize::MAX);
+        }
+    }
+
+    /// Takes over the optimised poses; scans that came meanwhile move with the last of them.
+    fn adopt(&mut self, mut weights: Vec<f64>) {
+        let Some(descent) = self.descent.take() else { return };
+        let corrected = descent.graph.poses;
+        if let Some((last, before)) =
+            corrected.last().zip(corrected.len().checked_sub(1).and_then(|last| self.poses.get(last)))
+        {
+            let correction = last.compose(before.inverse());
+            self.poses.iter_mut().skip(corrected.len()).for_each(|pose| *pose = correction.compose(*pose));
+        }
+        self.poses.iter_mut().zip(corrected).for_each(|(pose, corrected)| *pose = corrected);
+        self.map_revision += 1;
+        self.loop_weights = weights.split_off(self.sequence_edges.min(weights.len()));
     }
 
     /// The poses of the kept scans, and what is known about pairs of them; loops that contradict the others are left out.
@@ -115,36 +179,37 @@ impl Mapper {
     /// # Errors
     /// The graph cannot be solved.
     pub fn finish(&mut self) -> Result<(), Unsolvable> {
-        let found = self.closer.advance(&self.tracker.nodes, &self.views, &self.poses, true);
-        self.close(found)?;
+        self.settle();
+        self.closer.advance(&self.tracker.nodes, &self.poses, true);
+        self.settle();
         let edges = sequence_edges(&self.tracker.nodes);
-        align(&self.views, &mut self.poses, &edges, &self.config.align)?;
-        if self.search_again()? {
-            align(&self.views, &mut self.poses, &edges, &self.config.align)?;
+        let config = self.config.align.clone();
+        align(&self.views, &mut self.poses, &edges, (&config, &config.rounds))?;
+        if self.search_again() {
+            align(&self.views, &mut self.poses, &edges, (&config, &config.rounds))?;
         }
-        Ok(())
+        align(&self.views, &mut self.poses, &edges, (&config, &config.last_rounds))
     }
 
     /// Searches loops between the aligned stretches; whether one of them moved the poses.
-    fn search_again(&mut self) -> Result<bool, Unsolvable> {
+    fn search_again(&mut self) -> bool {
         let mut nodes = self.tracker.nodes.clone();
         for (node, pose) in nodes.iter_mut().zip(&self.poses) {
             node.pose = *pose;
         }
         let mut closer = LoopCloser::new(self.config.loops);
-        let mut found = closer.advance(&nodes, &self.views, &self.poses, true);
+        let mut found = closer.search_all((&nodes, &self.views), &self.poses, true);
         found.retain(|edge| {
             let is_known = self.loops.iter().any(|known| [known.from, known.to] == [edge.from, edge.to]);
             let error = edge.error(self.poses[edge.from], self.poses[edge.to]);
             !is_known && error.xy().norm() > REACH_OF_ALIGNMENT_M
         });
-        if found.is_empty() {
-            return Ok(false);
-        }
-        self.loops.extend(found);
-        let edges = sequence_edges(&nodes);
-        self.optimise(edges)?;
-        Ok(true)
+        let Some(_) = found.first() else { return false };
+        // The sequence counts as it is aligned.
+        self.found = found;
+        self.begin(sequence_edges(&nodes));
+        self.settle();
+        true
     }
 
     /// The trajectory of all scans by odometry between the kept ones, ordered by time.
@@ -171,8 +236,9 @@ impl Mapper {
         for passage in &self.tracker.passages {
             let Some(guess) = interpolated(nodes, &self.poses, passage) else { continue };
             let view = ScanView::new(&passage.points, self.step_rad);
-            let first = passage.node.saturating_sub(2);
-            let last = (passage.node + 4).min(nodes.len());
+            let to_each_side = self.config.locate.partners;
+            let first = (passage.node + 1).saturating_sub(to_each_side);
+            let last = (passage.node + 1 + to_each_side).min(nodes.len());
             let partners: Vec<_> = (first..last).map(|node| (&self.views[node], self.poses[node])).collect();
             all.push((passage.time_s, locate(&view, guess, &partners, &self.config.locate)));
         }

@@ -50,10 +50,16 @@ impl BlockSystem {
     /// left out.
     #[must_use]
     pub fn new(poses: usize, pairs: &[[usize; 2]]) -> Self {
+        Self::within(poses, pairs, usize::MAX)
+    }
+
+    /// The same without what binds poses of which the numbers differ by more than `band`: of such pairs, only what each pose
+    /// has alone is added. What is left is positive definite if the whole is.
+    pub(super) fn within(poses: usize, pairs: &[[usize; 2]], band: usize) -> Self {
         let variables = poses.saturating_sub(1);
         let mut lower: Vec<Vec<usize>> = (0..variables).map(|variable| vec![variable]).collect();
         for &[a, b] in pairs {
-            if a != b && a.min(b) > 0 && a.max(b) <= variables {
+            if a != b && a.min(b) > 0 && a.max(b) <= variables && a.abs_diff(b) <= band {
                 lower[a.min(b) - 1].push(a.max(b) - 1);
             }
         }
@@ -129,10 +135,20 @@ impl BlockSystem {
     /// # Errors
     /// The equations are not positive definite.
     pub fn solve(&mut self) -> Result<Vec<f64>, Unsolvable> {
-        self.factor.factorise(&self.blocks).map_err(|_| Unsolvable)?;
+        self.factorise()?;
         let mut step: Vec<f64> = self.gradient.iter().map(|value| -value).collect();
-        self.factor.solve(&mut step);
+        self.solve_factored(&mut step);
         if step.iter().all(|value| value.is_finite()) { Ok(step) } else { Err(Unsolvable) }
+    }
+
+    /// Factors the equations as they are.
+    pub(super) fn factorise(&mut self) -> Result<(), Unsolvable> {
+        self.factor.factorise(&self.blocks).map_err(|_| Unsolvable)
+    }
+
+    /// Solves for another right side, in its place, with the last factor.
+    pub(super) fn solve_factored(&self, side: &mut [f64]) {
+        self.factor.solve(side);
     }
 
     /// Covariance of what an edge measures, by all equations as they were last solved: J H⁻¹ Jᵀ, with the derivatives of

@@ -55,10 +55,10 @@ pub fn optimise_from_edges(graph: &mut Graph, config: &RobustConfig) -> Result<R
             break;
         }
         rounds += 1;
-        optimise_with(&mut system, graph, &weights, &config.round)?;
+        optimise_with(&mut system, graph, &weights, &config.round);
     }
     rounds += remove_bending(&mut system, graph, (&mut weights, &support), config)?;
-    let optimised = optimise_with(&mut system, graph, &weights, &config.last)?;
+    let optimised = optimise_with(&mut system, graph, &weights, &config.last);
     Ok(RobustOutcome { optimised, weights, rounds })
 }
 
@@ -102,7 +102,7 @@ fn remove_bending(
             .iter()
             .filter(|(squared, _)| *squared >= 0.5 * worst)
             .for_each(|(_, index)| weights[*index] = 0.0);
-        optimise_with(system, graph, weights, &config.round)?;
+        optimise_with(system, graph, weights, &config.round);
     }
     Ok(BENDING_ROUNDS_MAX)
 }

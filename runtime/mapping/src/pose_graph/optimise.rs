@@ -40,7 +40,7 @@ pub fn optimise(
     config: &OptimiseConfig,
 ) -> Result<Optimised, Unsolvable> {
     let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs());
-    optimise_with(&mut system, graph, weights, config)
+    Ok(optimise_with(&mut system, graph, weights, config))
 }
 
 /// The same with equations that were analysed before.
@@ -49,37 +49,67 @@ pub(super) fn optimise_with(
     graph: &mut Graph,
     weights: &[f64],
     config: &OptimiseConfig,
-) -> Result<Optimised, Unsolvable> {
-    let mut chi2 = weighed_chi2(graph, weights);
-    let mut damping = 0.0_f64;
-    for steps in 1..=config.steps_max {
+) -> Optimised {
+    let mut descent = Descent::new(graph, weights);
+    loop {
+        if let Some(optimised) = descent.step((system, graph), weights, config) {
+            return optimised;
+        }
+    }
+}
+
+/// An optimisation between two steps.
+pub(super) struct Descent {
+    chi2: f64,
+    damping: f64,
+    steps: usize,
+}
+
+impl Descent {
+    /// Before the first step.
+    pub(super) fn new(graph: &Graph, weights: &[f64]) -> Self {
+        Self { chi2: weighed_chi2(graph, weights), damping: 0.0, steps: 0 }
+    }
+
+    /// Takes a step; answers when it was the last one.
+    pub(super) fn step(
+        &mut self,
+        (system, graph): (&mut BlockSystem, &mut Graph),
+        weights: &[f64],
+        config: &OptimiseConfig,
+    ) -> Option<Optimised> {
+        if self.steps >= config.steps_max {
+            return Some(self.ended(false));
+        }
+        self.steps += 1;
         linearise(system, graph, weights);
-        if damping > 0.0 {
-            system.damp(damping);
+        if self.damping > 0.0 {
+            system.damp(self.damping);
         }
         let before = graph.poses.clone();
-        let solved = system.solve();
-        let lowered = solved.is_ok_and(|step| {
+        let mut after = self.chi2;
+        let lowered = system.solve().is_ok_and(|step| {
             graph.poses = graph.moved(&step);
-            weighed_chi2(graph, weights) <= chi2
+            after = weighed_chi2(graph, weights);
+            after <= self.chi2
         });
         if !lowered {
             graph.poses = before;
-            damping = if damping == 0.0 { 1.0e-6 } else { damping * 10.0 };
-            if damping > 1.0e12 {
-                return Ok(Optimised { chi2, steps, has_converged: true });
-            }
-            continue;
+            self.damping = if self.damping == 0.0 { 1.0e-6 } else { self.damping * 10.0 };
+            return (self.damping > 1.0e12).then(|| self.ended(true));
         }
-        damping = if damping < 1.0e-8 { 0.0 } else { damping * 0.1 };
-        let after = weighed_chi2(graph, weights);
-        let gain = chi2 - after;
-        chi2 = after;
-        if gain <= config.share_least * chi2.max(1.0e-12) {
-            return Ok(Optimised { chi2, steps, has_converged: true });
+        self.damping = if self.damping < 1.0e-8 { 0.0 } else { self.damping * 0.1 };
+        let gain = self.chi2 - after;
+        self.chi2 = after;
+        if gain <= config.share_least * self.chi2.max(1.0e-12) {
+            return Some(self.ended(true));
         }
+        (self.steps >= config.steps_max).then(|| self.ended(false))
     }
-    Ok(Optimised { chi2, steps: config.steps_max, has_converged: false })
+
+    const fn ended(&self, has_converged: bool) -> Optimised {
+        Optimised { chi2: self.chi2, steps: self.steps, has_converged }
+    }
 }
 
 fn weighed_chi2(graph: &Graph, weights: &[f64]) -> f64 {

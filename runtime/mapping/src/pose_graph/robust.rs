@@ -2,9 +2,9 @@
 //! V.B). A loop counts fully, or not at all; the decision is made softly first.
 
 use super::block_system::{BlockSystem, Unsolvable};
-use super::edge::{Edge, EdgeKind};
+use super::edge::EdgeKind;
 use super::graph::Graph;
-use super::optimise::{OptimiseConfig, Optimised, optimise_with};
+use super::optimise::{Descent, OptimiseConfig, Optimised};
 
 /// Settings of the robust optimisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,35 +50,82 @@ pub struct RobustOutcome {
 /// # Errors
 /// A part of the graph hangs on nothing.
 pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<RobustOutcome, Unsolvable> {
-    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs());
-    let is_loop = |edge: &Edge| edge.kind == EdgeKind::Loop;
-    let mut weights = vec![1.0; graph.edges.len()];
-    let worst = graph.edges.iter().filter(|e| is_loop(e)).map(|e| graph.edge_chi2(e)).fold(0.0, f64::max);
-    let limit = config.chi2_limit;
-    let mut control = if worst > limit { limit / (2.0 * worst - limit) } else { f64::INFINITY };
-    let mut rounds = 0;
-    while rounds < config.rounds_max && control.is_finite() {
-        rounds += 1;
-        let mut undecided = 0;
-        for (edge, weight) in graph.edges.iter().zip(&mut weights) {
-            if is_loop(edge) {
-                *weight = truncated_weight(graph.edge_chi2(edge), limit, control);
-                undecided += usize::from(*weight > 0.0 && *weight < 0.999);
+    let mut descent = RobustDescent::new(std::mem::take(graph), *config);
+    let outcome = loop {
+        if let Some(outcome) = descent.step() {
+            break outcome;
+        }
+    };
+    *graph = descent.graph;
+    Ok(outcome)
+}
+
+/// A robust optimisation between two steps: a robot that drives has no time for all of them at once.
+pub struct RobustDescent {
+    /// The graph as it is so far.
+    pub graph: Graph,
+    config: RobustConfig,
+    system: BlockSystem,
+    weights: Vec<f64>,
+    control: f64,
+    rounds: usize,
+    undecided: usize,
+    round: Option<Descent>,
+    is_last: bool,
+}
+
+impl RobustDescent {
+    /// Before the first step.
+    #[must_use]
+    pub fn new(graph: Graph, config: RobustConfig) -> Self {
+        let system = BlockSystem::new(graph.poses.len(), &graph.pairs());
+        let weights = vec![1.0; graph.edges.len()];
+        let loops = graph.edges.iter().filter(|edge| edge.kind == EdgeKind::Loop);
+        let worst = loops.map(|edge| graph.edge_chi2(edge)).fold(0.0, f64::max);
+        let limit = config.chi2_limit;
+        let control = if worst > limit { limit / (2.0 * worst - limit) } else { f64::INFINITY };
+        Self { graph, config, system, weights, control, rounds: 0, undecided: 0, round: None, is_last: false }
+    }
+
+    /// Solves the equations once; answers when that was the last time. Cost: with the poses and the edges.
+    pub fn step(&mut self) -> Option<RobustOutcome> {
+        let mut descent = self.round.take().unwrap_or_else(|| self.next_round());
+        let config = if self.is_last { &self.config.last } else { &self.config.round };
+        let ended = descent.step((&mut self.system, &mut self.graph), &self.weights, config);
+        let Some(optimised) = ended else {
+            self.round = Some(descent);
+            return None;
+        };
+        if !self.is_last {
+            if self.undecided == 0 && self.rounds > 3 {
+                self.control = f64::INFINITY;
             }
+            self.control *= self.config.growth;
+            return None;
         }
-        optimise_with(&mut system, graph, &weights, &config.round)?;
-        if undecided == 0 && rounds > 3 {
-            break;
-        }
-        control *= config.growth;
+        let (weights, rounds) = (std::mem::take(&mut self.weights), self.rounds);
+        Some(RobustOutcome { optimised, weights, rounds })
     }
-    for (edge, weight) in graph.edges.iter().zip(&mut weights) {
-        if is_loop(edge) {
-            *weight = f64::from(u8::from(graph.edge_chi2(edge) <= limit));
+
+    /// Judges the loops anew.
+    fn next_round(&mut self) -> Descent {
+        self.is_last = self.rounds >= self.config.rounds_max || !self.control.is_finite();
+        self.rounds += usize::from(!self.is_last);
+        let (limit, control, is_last) = (self.config.chi2_limit, self.control, self.is_last);
+        self.undecided = 0;
+        for (edge, weight) in self.graph.edges.iter().zip(&mut self.weights) {
+            if edge.kind != EdgeKind::Loop {
+                continue;
+            }
+            let chi2 = self.graph.edge_chi2(edge);
+            *weight = match is_last {
+                true => f64::from(u8::from(chi2 <= limit)),
+                false => truncated_weight(chi2, limit, control),
+            };
+            self.undecided += usize::from(*weight > 0.0 && *weight < 0.999);
         }
+        Descent::new(&self.graph, &self.weights)
     }
-    let optimised = optimise_with(&mut system, graph, &weights, &config.last)?;
-    Ok(RobustOutcome { optimised, weights, rounds })
 }
 
 /// Weight of a squared error under the truncated square at a stage of the control (Yang et al. 2020, equation 14).
@@ -99,6 +146,7 @@ mod tests {
     use nalgebra::Matrix3;
 
     use super::*;
+    use crate::pose_graph::Edge;
     use crate::se2::Se2;
 
     /// A square of 40 m walked twice with an odometry that turns too far, and places that were recognised.

@@ -5,37 +5,65 @@ use nalgebra::{Matrix3, Vector3};
 use super::pairs::{PairConfig, overlapping_pairs};
 use super::scan_view::ScanView;
 use super::terms::{MatchLimits, match_pair};
-use crate::pose_graph::{BlockSystem, Edge, PairTerms, Unsolvable};
-use crate::se2::Se2;
+use crate::pose_graph::{Edge, IterativeConfig, IterativeSystem, PairTerms, Unsolvable};
+use crate::se2::{Se2, wrap};
 
 /// How the alignment works.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlignConfig {
     /// Which scans are compared.
     pub pairs: PairConfig,
-    /// Distance within which points are the same place, round by round, metres.
-    pub distances_m: Vec<f32>,
+    /// Rounds from poses that may be decimetres off.
+    pub rounds: Vec<AlignRound>,
+    /// Rounds that follow them.
+    pub last_rounds: Vec<AlignRound>,
     /// Distance across a wall at which points count half, metres.
     pub outlier_m: f64,
     /// Deviation of a point from the wall, metres, with what neighbouring points share.
     pub point_deviation_m: f64,
     /// Share of the points of a pair that must find a partner.
     pub matched_share: f64,
+    /// Scans that have moved less against each other since they were matched keep their partners: metres and radians.
+    pub still: (f64, f64),
+    /// How the equations are solved.
+    pub solver: IterativeConfig,
+}
+
+/// One round.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlignRound {
+    /// Distance within which points are the same place, metres.
+    pub distance_m: f32,
+    /// Every so manyth point is asked.
+    pub stride: usize,
 }
 
 impl Default for AlignConfig {
     fn default() -> Self {
+        let round = |distance_m, stride| AlignRound { distance_m, stride };
         Self {
             pairs: PairConfig::default(),
-            distances_m: vec![0.4, 0.3, 0.2, 0.15, 0.15, 0.15],
+            rounds: vec![round(0.4, 4), round(0.3, 4), round(0.2, 4)],
+            last_rounds: vec![round(0.15, 1); 3],
             outlier_m: 0.05,
             point_deviation_m: 0.1,
             matched_share: 0.3,
+            still: (0.01, 0.003),
+            solver: IterativeConfig::default(),
         }
     }
 }
 
-/// Moves the poses so that the walls of all scans agree; the edges hold what the walls leave open. Pose 0 stands still.
+/// What a pair of scans said when it was last matched.
+struct Matched {
+    round: AlignRound,
+    poses: [Se2; 2],
+    /// `None`: too few points found a partner.
+    terms: Option<PairTerms>,
+}
+
+/// Moves the poses so that the walls of all scans agree, in these rounds; the edges hold what the walls leave open. Pose 0 stands
+/// still.
 ///
 /// # Errors
 /// A part hangs on nothing.
@@ -43,22 +71,23 @@ pub fn align(
     views: &[ScanView],
     poses: &mut [Se2],
     edges: &[Edge],
-    config: &AlignConfig,
+    (config, rounds): (&AlignConfig, &[AlignRound]),
 ) -> Result<(), Unsolvable> {
     let compared = overlapping_pairs(poses, &config.pairs);
     let pairs: Vec<[usize; 2]> =
         compared.iter().copied().chain(edges.iter().map(|edge| [edge.from, edge.to])).collect();
-    let mut system = BlockSystem::new(poses.len(), &pairs);
-    let scale = 1.0 / (config.point_deviation_m * config.point_deviation_m);
-    for &distance_m in &config.distances_m {
-        let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85 };
+    let mut system = IterativeSystem::new(poses.len(), &pairs, config.solver);
+    let mut all: Vec<Option<Matched>> = compared.iter().map(|_| None).collect();
+    for &round in rounds {
         system.clear();
-        for (index, &[a, b]) in compared.iter().enumerate() {
-            let matched = match_pair([&views[a], &views[b]], [poses[a], poses[b]], &limits);
-            let needed = (config.matched_share * matched.asked as f64).max(20.0);
-            if matched.matched as f64 >= needed {
-                system.add(index, &scaled(&held(&matched.terms), scale));
+        for ((index, &[a, b]), last) in compared.iter().enumerate().zip(&mut all) {
+            let now = [poses[a], poses[b]];
+            let kept = last.take().filter(|last| last.is_still_of(now, round, config.still));
+            let matched = kept.unwrap_or_else(|| Matched::new([&views[a], &views[b]], now, round, config));
+            if let Some(terms) = matched.terms_at(now) {
+                system.add(index, &terms);
             }
+            *last = Some(matched);
         }
         for (index, edge) in edges.iter().enumerate() {
             system.add(compared.len() + index, &edge.terms(poses[edge.from], poses[edge.to], 1.0));
@@ -69,6 +98,39 @@ pub fn align(
         }
     }
     Ok(())
+}
+
+impl Matched {
+    fn new(views: [&ScanView; 2], poses: [Se2; 2], round: AlignRound, config: &AlignConfig) -> Self {
+        let AlignRound { distance_m, stride } = round;
+        let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85, stride };
+        let matched = match_pair(views, poses, &limits);
+        let needed = (config.matched_share * matched.asked as f64).max(20.0 / stride.max(1) as f64);
+        let scale = stride as f64 / (config.point_deviation_m * config.point_deviation_m);
+        let is_enough = matched.matched as f64 >= needed;
+        Self { round, poses, terms: is_enough.then(|| scaled(&held(&matched.terms), scale)) }
+    }
+
+    /// Whether the scans stand to each other as they stood when they were matched in a round like this.
+    fn is_still_of(&self, poses: [Se2; 2], round: AlignRound, (still_m, still_rad): (f64, f64)) -> bool {
+        let before = self.poses[0].between(self.poses[1]);
+        let moved = before.between(poses[0].between(poses[1]));
+        self.round == round && moved.length_m() < still_m && moved.heading_rad.abs() < still_rad
+    }
+
+    /// The terms where the scans stand now: distances across walls change with the poses, which points belong together does not.
+    fn terms_at(&self, poses: [Se2; 2]) -> Option<PairTerms> {
+        let terms = self.terms?;
+        let [first, second] = [0, 1].map(|index| {
+            let (now, then) = (poses[index], self.poses[index]);
+            Vector3::new(now.x_m - then.x_m, now.y_m - then.y_m, wrap(now.heading_rad - then.heading_rad))
+        });
+        Some(PairTerms {
+            first_gradient: terms.first_gradient + terms.first * first + terms.mixed * second,
+            second_gradient: terms.second_gradient + terms.mixed.transpose() * first + terms.second * second,
+            ..terms
+        })
+    }
 }
 
 /// The direction of a wall is known to a few degrees, and returns lie denser near the scanner: along a smooth corridor the sum of

@@ -9,7 +9,7 @@ mod pairs;
 mod scan_view;
 mod terms;
 
-pub use align::{AlignConfig, align};
+pub use align::{AlignConfig, AlignRound, align};
 pub use locate::{LocateConfig, locate};
 pub use pairs::{PairConfig, overlapping_pairs};
 pub use scan_view::ScanView;

@@ -16,6 +16,8 @@ pub struct MatchLimits {
     pub outlier_m: f64,
     /// Cosine between the walls' directions, at least.
     pub direction_cosine: f32,
+    /// Of each scan every so manyth point is asked; the terms are those of all.
+    pub stride: usize,
 }
 
 /// The terms of a pair, and how well it fits.
@@ -160,7 +162,7 @@ fn one_way(views: [&ScanView; 2], poses: [Se2; 2], limits: &MatchLimits) -> Sums
     let (sin, cos) = libm::sincosf(relative.heading_rad);
     let mut sums = NormalSums::default();
     let (mut matched, mut asked, mut squared) = (0, 0, 0.0);
-    for wall in &views[0].points {
+    for wall in views[0].points.iter().step_by(limits.stride.max(1)) {
         if wall.normal.x_m == 0.0 && wall.normal.y_m == 0.0 {
             continue;
         }
@@ -168,7 +170,7 @@ fn one_way(views: [&ScanView; 2], poses: [Se2; 2], limits: &MatchLimits) -> Sums
         let turned = |v: Point2| Point2::new(cos * v.x_m - sin * v.y_m, sin * v.x_m + cos * v.y_m);
         let arm = turned(wall.point);
         let place = Point2::new(relative.x_m + arm.x_m, relative.y_m + arm.y_m);
-        let Some(other) = views[1].nearest(place, limits.distance_m) else { continue };
+        let Some(other) = views[1].in_direction(place, limits.distance_m) else { continue };
         let (normal, direction) = (other.normal, turned(wall.normal));
         let cosine = direction.x_m * normal.x_m + direction.y_m * normal.y_m;
         // Both sides of a thin wall look alike, and lie apart.

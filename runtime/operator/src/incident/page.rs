@@ -126,7 +126,7 @@ fn causes(html: &mut String, incident: &Incident) {
 fn before(html: &mut String, incident: &Incident) {
     html.push_str(
         "<h2>The ten seconds before</h2><div class=wide tabindex=0 role=region aria-label=\"The ten seconds before\"><table><tr><th class=num>time<th>state<th class=num>m/s<th \
-         class=num>permitted<th class=num>at most<th class=num>nearest person<th class=why>held or limited by</tr>",
+         class='num more'>permitted<th class='num more'>at most<th class=num>nearest person<th class=why>held or limited by</tr>",
     );
     for row in &incident.before {
         let person = row.person_m.map_or_else(|| "–".to_owned(), |metres| format!("{metres:.1} m"));
@@ -134,7 +134,7 @@ fn before(html: &mut String, incident: &Incident) {
             if row.limit_mps.is_finite() { format!("{:.2}", row.limit_mps) } else { "–".to_owned() };
         let _ = write!(
             html,
-            "<tr><td class=num>{:.3} s<td>{}<td class=num>{:.2}<td class=num>{:.2}<td class=num>{limit}<td class=num>{person}<td class=why>{}</tr>",
+            "<tr><td class=num>{:.3} s<td>{}<td class=num>{:.2}<td class='num more'>{:.2}<td class='num more'>{limit}<td class=num>{person}<td class=why>{}</tr>",
             row.at_s,
             escaped(&row.state),
             row.speed_mps + 0.0,

@@ -40,10 +40,7 @@ pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
     if !history.held.is_empty() {
         sheet.heading(language.say("What held the robot, and resets"));
         for (at_s, words) in history.held.iter().take(HELD_MAX) {
-            let words = match words.strip_prefix("held by: ") {
-                Some(cause) => language.cause(cause),
-                None => language.begin(words),
-            };
+            let words = language.cause(words.strip_prefix("held by: ").unwrap_or(words));
             sheet.row(&[(0.0, &format!("{} s", number(*at_s, 1))), (90.0, &words)], false);
         }
     }

@@ -24,7 +24,7 @@ inline-block;width:1em;height:1em;border:1px solid #888;vertical-align:-.1em;mar
 min-width:1.6em;border-radius:1em;color:#fff;text-align:center;font-size:.85em}\
 @media screen and (max-width:40rem){dl.facts{display:block}.facts dt{margin-top:.4rem}.chart text{font-size:23px}\
 .chart .odd{display:none}.map text{font-size:28px}.map .mark circle{r:14px}.map .mark text{font-size:19px}\
-.stop svg{max-width:15rem}\
+.stop svg{max-width:15rem}.more{display:none}.why{min-width:8.5rem}\
 td,th{padding:.25rem .3rem}}\
 @page{margin:14mm}@media print{.slide,#now{display:none}.sign{display:flex;gap:2rem;margin-top:14mm;break-inside:avoid}.sign div{flex:1;\
 border-top:1px solid #1c2733;padding-top:.2rem;font-size:10px}.proof{break-inside:avoid}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{max-width:none;margin:0;font-size:11px}\

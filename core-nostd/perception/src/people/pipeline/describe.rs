@@ -4,6 +4,7 @@ use super::context::SweepContext;
 use super::state::PeoplePipelineOf;
 use crate::clusters::{ColumnFrame, NONE, SweepFrame, rings_of};
 use crate::shapes::person_model::{person_log_odds, probability};
+use crate::shapes::waist::has_waist;
 use crate::tracking::Surroundings;
 use floorguard_types::number::truncating_u32;
 use floorguard_types::profile::{Profile, Table};
@@ -62,6 +63,9 @@ impl<P: Profile> PeoplePipelineOf<P> {
                 detection.likeness = probability(person_log_odds(found.shape));
                 detection.appearance = { found.shades }
                     .appearance((found.top_m, found.is_occluded), (sensor_m, detection.distance_m));
+                if has_waist(found.shape, found.is_occluded) {
+                    detection.surroundings = detection.surroundings.and(Surroundings::WAIST);
+                }
                 if found.goes_on_above {
                     detection.surroundings = detection.surroundings.and(Surroundings::ABOVE);
                 }

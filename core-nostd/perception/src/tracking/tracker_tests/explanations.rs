@@ -60,6 +60,21 @@ fn motionless_whole_body_stays_person_part_is_explained() {
     }
 }
 
+/// Narrower than a neck between broad parts in sweep after sweep; one odd sweep in four says nothing.
+#[test]
+fn standing_waist_is_explained_by_most_sweeps() {
+    for (every, expected) in [(1, Some(Explanation::NarrowWaist)), (4, None)] {
+        let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+        for sweep in 0..40 {
+            let waist = if sweep % every == 0 { Surroundings::WAIST } else { Surroundings::OPEN };
+            let seen = Detection { surroundings: waist, ..stander(2.0) };
+            tracker.update(stamp(sweep), &[seen], |_| true);
+        }
+        assert_eq!(explanation(&tracker), expected, "one of {every} sweeps");
+    }
+    assert!(!Explanation::NarrowWaist.is_positive(), "the guard goes on taking it for a person");
+}
+
 /// What flickers at an open place is no person until it moves; from then on it is one, however its shape looks.
 #[test]
 fn unlikely_shape_that_moves_is_a_person_again() {

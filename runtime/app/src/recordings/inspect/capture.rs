@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
+use floorguard_drivers::velodyne::{ClosedSector, Decoder, Model, ModelChoice};
+use floorguard_host::words::counted;
 use floorguard_recording::capture::{Capture, LIDAR_DATA_PORT, is_scanner_datagram, settle_model};
 use floorguard_types::time::Stamp;
 
@@ -20,7 +21,7 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
     let model = settle_model(file, ModelChoice::Auto);
     let mut decoder =
         Decoder::new(model.as_ref().map_or(ModelChoice::Auto, |model| ModelChoice::Fixed(*model)));
-    let mut refusal = None;
+    let (mut refusal, mut odd_block) = (None, None);
     for datagram in Capture::open(file)? {
         let datagram = match datagram {
             Ok(datagram) => datagram,
@@ -36,6 +37,7 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
         if datagram.destination_port == LIDAR_DATA_PORT {
             let decoded = decoder.decode(&datagram.payload, Stamp::from_micros(datagram.captured_us));
             refusal = decoded.err().or(refusal);
+            odd_block = decoder.odd_block().or(odd_block);
         }
     }
     let has_scanner = ports.values().any(|(.., is_scanner)| *is_scanner);
@@ -46,10 +48,13 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
             8_308 => "lidar position",
             _ => "datagrams",
         };
-        let mut stream = Stream::new(format!("port {port}"), kind, timeline);
+        let is_lidar = *port == LIDAR_DATA_PORT;
+        let closed_s = decoder.closed_sector().filter(|_| is_lidar).map_or(0.0, closed_s);
+        let mut stream = Stream::with_pauses(format!("port {port}"), kind, (timeline, closed_s));
         stream.fields.push(format!("{bytes} bytes in the last"));
-        if *port == LIDAR_DATA_PORT {
-            lidar(&mut stream, &decoder, refusal.map(|error| error.to_string()));
+        if is_lidar {
+            let refusals = [refusal.map(|error| error.to_string()), odd_block.map(|error| error.to_string())];
+            lidar(&mut stream, &decoder, refusals);
         }
         page.streams.push(stream);
     }
@@ -72,7 +77,12 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-fn lidar(stream: &mut Stream, decoder: &Decoder, refusal: Option<String>) {
+/// For how long nothing comes out of a closed sector at most, seconds: a lidar turns five times a second or faster.
+fn closed_s(closed: ClosedSector) -> f64 {
+    f64::from(closed.width_cdeg()) / 36_000.0 * 0.2 + 0.01
+}
+
+fn lidar(stream: &mut Stream, decoder: &Decoder, [refusal, odd_block]: [Option<String>; 2]) {
     let counters = decoder.counters();
     if let Some(model) = decoder.model() {
         stream.fields.push(model.name().to_owned());
@@ -86,8 +96,10 @@ fn lidar(stream: &mut Stream, decoder: &Decoder, refusal: Option<String>) {
     if counters.lost > 0 {
         stream.faults.push(format!("{} packets lost", counters.lost));
     }
-    if counters.odd_blocks > 0 {
-        stream.faults.push(format!("{} blocks with an azimuth above 36000", counters.odd_blocks));
+    // One that lies alone beside a closed sector, before that is known, is left out without a fault.
+    if let Some(error) = odd_block {
+        let left_out = counted(u64::from(counters.odd_blocks), "block");
+        stream.faults.push(format!("{left_out} left out, the last: {error}"));
     }
     if decoder.clock_restarts() > 0 {
         stream.faults.push(format!("the lidar's clock was set {} times", decoder.clock_restarts()));

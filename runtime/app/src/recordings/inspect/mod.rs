@@ -10,5 +10,5 @@ mod serial;
 mod timeline;
 
 pub use lines::{can_frame, can_service, is_candump};
-pub use run::{InspectArguments, run};
+pub use run::{InspectArguments, page as page_of, run};
 pub use serial::{inertial, scanner};

@@ -28,8 +28,17 @@ pub struct Stream {
 impl Stream {
     /// With the faults of its times.
     pub fn new(name: impl Into<String>, kind: impl Into<String>, timeline: &Timeline) -> Self {
+        Self::with_pauses(name, kind, (timeline, 0.0))
+    }
+
+    /// The same, where pauses of so many seconds are no fault.
+    pub fn with_pauses(
+        name: impl Into<String>,
+        kind: impl Into<String>,
+        (timeline, pauses_s): (&Timeline, f64),
+    ) -> Self {
         let (times, count) = (timeline.times(), timeline.count());
-        let faults = times.faults(count);
+        let faults = times.faults(count, pauses_s);
         Self { name: name.into(), kind: kind.into(), count, frame: None, fields: Vec::new(), times, faults }
     }
 }

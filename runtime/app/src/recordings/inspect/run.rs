@@ -45,7 +45,11 @@ pub fn run(arguments: &InspectArguments) -> anyhow::Result<()> {
     Ok(writeln!(std::io::stdout().lock(), "{text}")?)
 }
 
-fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Page> {
+/// What a file that begins so is, and what can be done with it.
+///
+/// # Errors
+/// It cannot be read, or is nothing that we know.
+pub fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Page> {
     if begins.starts_with(MCAP_MAGIC) {
         return bag::page(file);
     }

@@ -97,8 +97,8 @@ impl Timeline {
 }
 
 impl Times {
-    /// What is wrong with them, in words.
-    pub fn faults(&self, count: u64) -> Vec<String> {
+    /// What is wrong with them, in words, where pauses of that many seconds are right.
+    pub fn faults(&self, count: u64, pauses_s: f64) -> Vec<String> {
         let mut faults = Vec::new();
         if self.equal > 0 && self.equal + 1 == count {
             faults.push(format!("all {count} bear one time"));
@@ -108,7 +108,7 @@ impl Times {
         if self.backwards > 0 {
             faults.push(format!("{} of {count} are earlier than the one before", self.backwards));
         }
-        if self.gaps > 0 {
+        if self.gaps > 0 && self.longest_s > pauses_s {
             let Self { longest_s, longest_at_s, .. } = self;
             let gaps = counted(self.gaps, "gap");
             faults.push(format!("{gaps}, the longest {longest_s:.2} s at {longest_at_s:.1} s"));
@@ -126,7 +126,7 @@ mod tests {
         let of = |times: &[u64]| {
             let mut line = Timeline::default();
             times.iter().for_each(|time_us| line.add(*time_us));
-            line.times().faults(line.count()).join("; ")
+            line.times().faults(line.count(), 0.0).join("; ")
         };
         assert_eq!(of(&[7, 7, 7]), "all 3 bear one time");
         assert_eq!(
@@ -135,5 +135,17 @@ mod tests {
         );
         assert_eq!(of(&[0, 100_000, 200_000, 900_000, 1_000_000]), "1 gap, the longest 0.70 s at 0.2 s");
         assert_eq!(of(&[0, 100_000, 200_000]), "");
+    }
+
+    /// A lidar with a closed sector is silent once a turn.
+    #[test]
+    fn pauses_of_closed_sector_are_no_gaps() {
+        let mut line = Timeline::default();
+        for turn in 0..10 {
+            (0..20).for_each(|packet| line.add(turn * 100_000 + packet * 1_000));
+        }
+        let (times, count) = (line.times(), line.count());
+        assert_eq!(times.faults(count, 0.0).len(), 1);
+        assert!(times.faults(count, 0.1).is_empty());
     }
 }

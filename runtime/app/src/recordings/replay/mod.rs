@@ -25,7 +25,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use super::arguments::ReplayArguments;
-use super::inspect::scanner;
+use super::inspect::{page_of, scanner};
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::{beginning, must_be_a_file, unpacked};
 use floorguard_recording::Recording;
@@ -58,6 +58,11 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         carmen::run(arguments)
     } else if !is_capture(&begins) && scanner(&begins).is_some() {
         scanner_line::run(arguments)
+    } else if !is_capture(&begins)
+        && let Ok(page) = page_of(&arguments.file, &begins)
+    {
+        let commands = page.commands.join("; ");
+        Err(refuse(&format!("this is {}, in which nobody can be looked for; {commands}", page.kind)).into())
     } else {
         capture::run(arguments)
     }

@@ -117,7 +117,7 @@ impl SpaceCloser {
     }
 
     fn close(&mut self, is_last: bool) -> Result<(), Unsolvable> {
-        let found = self.search.advance(&self.nodes, &self.views, &self.places, is_last);
+        let found = self.search.search_all((&self.nodes, &self.views), &self.places, is_last);
         self.recognised += found.len();
         let known = self.loops.len();
         for edge in &found {
