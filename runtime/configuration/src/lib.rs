@@ -14,6 +14,7 @@ mod distinct;
 mod fields;
 mod fleet;
 mod learning;
+mod limits;
 mod mission;
 mod motors;
 mod navigation;

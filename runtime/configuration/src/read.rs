@@ -21,6 +21,7 @@ use super::coverage::{
 use super::fields::read_fields;
 use super::fleet::{FleetConfiguration, read_fleet};
 use super::learning::{LearningConfiguration, read_learning};
+use super::limits::{read_deadlines, read_limits};
 use super::mission::{MissionConfiguration, read_mission};
 use super::navigation::{NavigationConfiguration, read_navigation};
 use super::panel::{PanelConfiguration, read_panel};
@@ -247,35 +248,6 @@ fn finish(top: Reader<'_>, sensors: &Sensors, by: (Option<&Drives>, Option<&Comm
 /// What a section says, or what stands for it where it is missing.
 fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
     top.optional_section(name).map_or_else(T::default, read)
-}
-
-fn read_limits(section: Reader<'_>) -> Limits {
-    let limits = Limits {
-        speed_mps: section.number("speed_mps", 0.05..=2.0),
-        reverse_mps: section.number("reverse_mps", 0.0..=0.5),
-        turn_radps: section.number("turn_radps", 0.05..=2.0),
-        acceleration_mps2: section.number("acceleration_mps2", 0.05..=2.0),
-        braking_mps2: section.number("braking_mps2", 0.1..=5.0),
-        response_s: section.number("response_s", 0.0..=1.0),
-    };
-    section.finish();
-    limits
-}
-
-fn read_deadlines(section: Reader<'_>) -> Deadlines {
-    // Microseconds are exact for every value that passes the range check.
-    let micros = |key, longest_s| (section.number(key, 0.02..=longest_s) * 1.0e6) as u64;
-    let scanner_us = micros("scanner_s", 0.3);
-    let rear_s = section.number_or("rear_scanner_s", 0.02..=0.3, scanner_us as f32 * 1.0e-6);
-    let deadlines = Deadlines {
-        scanner_us,
-        rear_scanner_us: (rear_s * 1.0e6) as u64,
-        lidar_us: micros("lidar_s", 0.5),
-        odometry_us: micros("odometry_s", 0.2),
-        command_us: micros("command_s", 0.5),
-    };
-    section.finish();
-    deadlines
 }
 
 /// The guard's thresholds that a site may want to change, and the gaps of the sensors that it accepts; the other thresholds follow from

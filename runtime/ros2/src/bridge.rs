@@ -1,9 +1,8 @@
 //! The bridge: one participant of DDS, a thread that writes and one that reads.
 
-use std::fmt;
 use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -12,6 +11,7 @@ use floorguard_recording::cdr::Encoder;
 use floorguard_recording::{LiveMessage, MessageListener};
 use rustdds::DomainParticipantBuilder;
 
+use super::counters::{BridgeFigures, Counters};
 use super::dds::{MessageWriter, Named, Participant, Quality, Refused};
 use super::incoming::Listener;
 use super::loopback;
@@ -64,69 +64,6 @@ pub struct BridgeOptions {
     pub address: Option<Ipv4Addr>,
     /// Velocities for the guard.
     pub velocities: Option<(VelocityFeed, VelocityRoute)>,
-}
-
-/// What went over the bridge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BridgeFigures {
-    /// Messages that were given to DDS.
-    pub sent: u64,
-    /// Messages that did not fit the queue.
-    pub dropped: u64,
-    /// Messages that DDS did not take in time.
-    pub refused: u64,
-    /// Velocities, places and services that came.
-    pub received: u64,
-    /// Those that cannot be read, are in another frame than the map's, or are too many.
-    pub not_understood: u64,
-}
-
-impl BridgeFigures {
-    /// Each with its name.
-    pub(crate) const fn named(&self) -> [(&'static str, u64); 5] {
-        [
-            ("sent", self.sent),
-            ("dropped", self.dropped),
-            ("refused by DDS", self.refused),
-            ("received", self.received),
-            ("not understood", self.not_understood),
-        ]
-    }
-}
-
-impl fmt::Display for BridgeFigures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.named().map(|(name, value)| format!("{value} {name}"));
-        f.write_str(&words.join(", "))
-    }
-}
-
-/// The same while it runs.
-#[derive(Debug, Default)]
-pub struct Counters {
-    /// Messages that were given to DDS.
-    pub sent: AtomicU64,
-    dropped: AtomicU64,
-    /// Messages that DDS did not take in time.
-    pub refused: AtomicU64,
-    /// Velocities, places and services that came.
-    pub received: AtomicU64,
-    /// Those that are of no use.
-    pub not_understood: AtomicU64,
-}
-
-impl Counters {
-    /// What they show now.
-    pub fn figures(&self) -> BridgeFigures {
-        let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
-        BridgeFigures {
-            sent: read(&self.sent),
-            dropped: read(&self.dropped),
-            refused: read(&self.refused),
-            received: read(&self.received),
-            not_understood: read(&self.not_understood),
-        }
-    }
 }
 
 /// A robot in ROS 2, until it is dropped.

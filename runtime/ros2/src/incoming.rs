@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use floorguard_host::executor::{Ring, take_priority};
 
-use super::bridge::Counters;
+use super::counters::Counters;
 use super::dds::{MessageReader, Named, Participant, Refused};
 use super::names;
 use super::requests::{RosRequest, place};

@@ -6,6 +6,7 @@
 
 mod bridge;
 mod costmap;
+mod counters;
 mod dds;
 mod incoming;
 mod loopback;
@@ -19,7 +20,8 @@ mod restamp;
 mod services;
 mod velocities;
 
-pub use bridge::{BridgeFigures, BridgeOptions, OpenError, RosBridge};
+pub use bridge::{BridgeOptions, OpenError, RosBridge};
+pub use counters::BridgeFigures;
 pub use moment::{Restraint, RobotMoment};
 pub use requests::RosRequest;
 pub use velocities::{VelocityFeed, VelocityRoute};

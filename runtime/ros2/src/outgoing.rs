@@ -11,7 +11,7 @@ use floorguard_recording::{Diagnostic, Severity, diagnostics_message, grid_messa
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
 
-use super::bridge::Counters;
+use super::counters::Counters;
 use super::dds::{Message, MessageWriter, Named, Participant, Quality, Refused};
 use super::moment::RobotMoment;
 use super::published::{PUBLISHED, Published};

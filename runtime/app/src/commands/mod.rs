@@ -10,9 +10,6 @@ mod check;
 mod choices;
 #[cfg(feature = "laboratory")]
 mod demo;
-mod eval;
-#[cfg(feature = "laboratory")]
-mod eval_stages;
 mod exit;
 mod explain;
 mod explore;
@@ -35,7 +32,6 @@ mod mission_table;
 #[cfg(feature = "laboratory")]
 mod mission_verdict;
 mod panel;
-mod report;
 mod ros2;
 mod run;
 mod run_begin;
@@ -49,18 +45,19 @@ mod sinks;
 mod tape;
 mod values;
 
+#[cfg(feature = "laboratory")]
+pub use crate::evaluation::RecordedStage;
+pub use crate::evaluation::{EvalArguments, EvalStage};
 pub use crate::learning::{AskArguments, AskQuestion, LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use crate::learning::{TrainArguments, TrainPeopleArguments, TrainWhat};
+pub use crate::recordings::ReportArguments;
 pub use arguments::{Arguments, Command};
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
-pub use eval::{EvalArguments, EvalStage};
-#[cfg(feature = "laboratory")]
-pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use explore::ExploreArguments;
@@ -69,14 +66,13 @@ pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
 pub use panel::{PanelOpening, open_panel, records_beside};
-pub use report::ReportArguments;
 pub use run::RunArguments;
 #[cfg(feature = "laboratory")]
 pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use tape::TapeArguments;
 
-use crate::{doctor, learning, mapping_commands, recordings, window};
+use crate::{doctor, evaluation, learning, mapping_commands, recordings, window};
 
 /// Runs the command.
 ///
@@ -86,7 +82,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => recordings::blackbox(&arguments),
-        Some(Command::Report(arguments)) => report::run(&arguments),
+        Some(Command::Report(arguments)) => recordings::report(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
@@ -105,7 +101,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Window(arguments)) => window::run(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),
-        Some(Command::Eval(arguments)) => eval::run(&arguments),
+        Some(Command::Eval(arguments)) => evaluation::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -3,7 +3,7 @@
 use clap::{Args, Subcommand};
 
 #[cfg(feature = "laboratory")]
-use super::eval_stages::{self, RecordedStage};
+use super::stages::{self, RecordedStage};
 use crate::mapping_commands::{SlamArguments, eval_slam};
 use crate::recordings::{GroundArguments, eval_ground};
 
@@ -41,6 +41,6 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
         EvalStage::Ground(ground) => eval_ground(ground, arguments.json),
         EvalStage::Slam(slam) => eval_slam(slam, arguments.json),
         #[cfg(feature = "laboratory")]
-        EvalStage::Recorded(stage) => eval_stages::run(stage, arguments.json),
+        EvalStage::Recorded(stage) => stages::run(stage, arguments.json),
     }
 }

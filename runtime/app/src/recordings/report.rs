@@ -7,9 +7,9 @@ use std::time::UNIX_EPOCH;
 
 use clap::Args;
 
-use super::exit::BadInput;
-use crate::recordings::say_findings;
+use super::say_findings;
 use floorguard_configuration::{RecordedConfiguration, parse_recorded};
+use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;
 use floorguard_host::words::counted;
 use floorguard_mapping::environment::WallTime;

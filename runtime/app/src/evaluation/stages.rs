@@ -6,7 +6,7 @@ use clap::Subcommand;
 use floorguard_perception::motion::MotionParameters;
 use serde::Serialize;
 
-use super::VerdictFailed;
+use floorguard_host::outcome::VerdictFailed;
 use floorguard_laboratory::evaluate;
 
 /// A stage and its files.
