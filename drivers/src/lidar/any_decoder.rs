@@ -78,7 +78,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         }
     }
 
-    fn people_rings(&self) -> Option<&'static RingChoice> {
+    fn people_rings(&self) -> Option<RingChoice> {
         match self {
             Self::Velodyne(decoder) | Self::Straight(decoder, _) => LidarDecoder::people_rings(decoder),
             Self::Hesai(decoder) => LidarDecoder::people_rings(decoder),

@@ -32,7 +32,7 @@ pub trait LidarDecoder<P: Profile> {
     fn known_closed_sector(&self) -> Option<ClosedSector>;
 
     /// The rings in which people are looked for, once it is known that the lidar has more of them than a sweep.
-    fn people_rings(&self) -> Option<&'static RingChoice>;
+    fn people_rings(&self) -> Option<RingChoice>;
 }
 
 impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
@@ -57,7 +57,7 @@ impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
         self.closed_sector()
     }
 
-    fn people_rings(&self) -> Option<&'static RingChoice> {
+    fn people_rings(&self) -> Option<RingChoice> {
         // Without room for more lasers there is nothing to choose, and no code for it.
         if P::Rings::N > SWEEP_RINGS { self.model()?.people_rings() } else { None }
     }
@@ -87,7 +87,7 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
         None
     }
 
-    fn people_rings(&self) -> Option<&'static RingChoice> {
+    fn people_rings(&self) -> Option<RingChoice> {
         None
     }
 }

@@ -5,20 +5,18 @@ use floorguard_types::sensing::RingChoice;
 use super::model::Model;
 
 /// Above 10.7° there is none: two more from below, where feet are.
-static HDL32E: Option<RingChoice> =
-    RingChoice::new([10, 12, 13, 15, 16, 18, 19, 21, 22, 24, 25, 27, 28, 29, 30, 31]);
+const HDL32E: [u8; 16] = [10, 12, 13, 15, 16, 18, 19, 21, 22, 24, 25, 27, 28, 29, 30, 31];
 /// Of the rings a third of a degree apart about the horizon every third or fourth.
-static VLP32C: Option<RingChoice> =
-    RingChoice::new([0, 1, 2, 3, 4, 5, 7, 10, 14, 18, 22, 26, 28, 29, 30, 31]);
+const VLP32C: [u8; 16] = [0, 1, 2, 3, 4, 5, 7, 10, 14, 18, 22, 26, 28, 29, 30, 31];
 
 impl Model {
     /// Which rings of a lidar go into a sweep; `None` where all of them do.
     #[must_use]
-    pub fn people_rings(self) -> Option<&'static RingChoice> {
+    pub fn people_rings(self) -> Option<RingChoice> {
         match self {
             Self::Vlp16 | Self::HiRes => None,
-            Self::Vlp32C => VLP32C.as_ref(),
-            Self::Hdl32E => HDL32E.as_ref(),
+            Self::Vlp32C => RingChoice::new(VLP32C),
+            Self::Hdl32E => RingChoice::new(HDL32E),
         }
     }
 }
@@ -32,8 +30,8 @@ mod tests {
     fn chosen_rings_leave_no_wide_gap() {
         for (model, widest_deg) in [(Model::Hdl32E, 2.7), (Model::Vlp32C, 4.7)] {
             let angles = model.ring_angles();
-            let chosen = model.people_rings().expect("of 32 rings").rings();
-            let elevations_deg = chosen.map(|ring| angles[usize::from(ring)].elevation_deg);
+            let chosen = model.people_rings().expect("of 32 rings");
+            let elevations_deg = chosen.rings().map(|ring| angles[usize::from(ring)].elevation_deg);
             let between = elevations_deg.iter().zip(&elevations_deg[1..]);
             for (below, above) in between.filter(|(below, _)| **below > -16.0) {
                 assert!(above - below < widest_deg, "{model:?}: {below} to {above}");

@@ -9,4 +9,5 @@ pub mod evaluation;
 pub mod learning;
 pub mod mapping_commands;
 pub mod recordings;
+pub mod reports;
 pub mod window;

@@ -54,7 +54,8 @@ impl RobotConfiguration {
 fn chosen(model: Model) -> RingAngles {
     let angles = model.ring_angles();
     let mut sweep = RingAngles::vlp16();
-    let rings = model.people_rings().map(|choice| choice.rings()).into_iter().flatten();
+    let choice = model.people_rings();
+    let rings = choice.iter().flat_map(|choice| choice.rings());
     for (slot, ring) in sweep.rings.iter_mut().zip(rings) {
         if let Some(angle) = angles.get(usize::from(*ring)) {
             *slot = (angle.sin, angle.cos, angle.height_m);

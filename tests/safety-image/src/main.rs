@@ -7,6 +7,8 @@
 #![allow(missing_docs)]
 
 #[cfg(target_os = "none")]
+mod bases;
+#[cfg(target_os = "none")]
 mod drivers;
 #[cfg(target_os = "none")]
 mod perception;

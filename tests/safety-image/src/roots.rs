@@ -7,7 +7,7 @@ use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{DiscreteInputs, DriveFeedback, ImuSample, LidarPacket, Scan};
 use floorguard_types::time::Stamp;
 
-use crate::{drivers, perception};
+use crate::{bases, drivers, perception};
 
 /// Reaches every root; the linker starts here. The image is read, never run, so the arguments do not matter.
 #[unsafe(no_mangle)]
@@ -24,6 +24,7 @@ pub extern "C" fn entry(state: Option<&mut ImageState>) {
     root_guard_tick(&mut state.guard, now);
     root_guard_start(&mut state.started, &state.config, now);
     drivers::all(&mut state.drivers, now);
+    bases::all(&mut state.bases, now);
     perception::all(&mut state.perception, now);
 }
 
@@ -33,6 +34,7 @@ pub struct ImageState {
     started: Supervisor,
     config: GuardConfig,
     drivers: drivers::Drivers,
+    bases: bases::Bases,
     perception: perception::Perception,
     scan: Scan,
     packet: LidarPacket,

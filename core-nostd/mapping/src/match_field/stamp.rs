@@ -18,6 +18,8 @@ pub(super) struct Stamp {
 
 /// Cells that a return can reach along one direction, at most.
 const REACH_CELLS_MAX: i32 = 64;
+/// Rows that it can reach, at most.
+const ROWS_MAX: i32 = 2 * REACH_CELLS_MAX + 2;
 /// The coarsest level that is written with a return.
 pub(super) const SHIFT_MAX: u8 = 3;
 /// Values of a row of a return, with what the coarse level adds at its start.
@@ -43,7 +45,9 @@ impl Stamp {
         let lead = usize::try_from(window).unwrap_or(0);
         let mut row_values = [0_u8; ROW];
         let mut spread = [0_u8; ROW];
-        for row in reached.low..=reached.high.min(reached.low.saturating_add(2 * REACH_CELLS_MAX + 1)) {
+        let rows = reached.high.saturating_sub(reached.low).saturating_add(1);
+        for below in 0..rows.min(ROWS_MAX) {
+            let row = reached.low.saturating_add(below);
             let Some(values) = row_values.get_mut(lead..lead.saturating_add(reached.count)) else { return };
             reached.values(row, values);
             self.raise(fine, (reached.left, row), values);
@@ -51,7 +55,7 @@ impl Stamp {
             let (Some(source), Some(target)) = (row_values.get(..whole), spread.get_mut(..whole)) else {
                 return;
             };
-            target.copy_from_slice(source);
+            target.iter_mut().zip(source).for_each(|(value, own)| *value = *own);
             for by in 1..=lead.min(7) {
                 let later = source.get(by..).unwrap_or_default();
                 target.iter_mut().zip(later).for_each(|(value, other)| *value = (*value).max(*other));

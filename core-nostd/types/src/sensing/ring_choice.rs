@@ -28,17 +28,9 @@ pub struct RingChoice {
 impl RingChoice {
     /// These rings; `None` unless each is higher than the one before.
     #[must_use]
-    pub const fn new(rings: [u8; SWEEP_RINGS]) -> Option<Self> {
-        let mut left: &[u8] = &rings;
-        while let [below, rest @ ..] = left {
-            if let [above, ..] = rest
-                && *above <= *below
-            {
-                return None;
-            }
-            left = rest;
-        }
-        Some(Self { rings })
+    pub fn new(rings: [u8; SWEEP_RINGS]) -> Option<Self> {
+        let is_rising = rings.iter().zip(rings.iter().skip(1)).all(|(below, above)| below < above);
+        is_rising.then_some(Self { rings })
     }
 
     /// The rings, lowest first.

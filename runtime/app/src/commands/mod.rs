@@ -51,7 +51,7 @@ pub use crate::evaluation::{EvalArguments, EvalStage};
 pub use crate::learning::{AskArguments, AskQuestion, LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use crate::learning::{TrainArguments, TrainPeopleArguments, TrainWhat};
-pub use crate::recordings::ReportArguments;
+pub use crate::reports::ReportArguments;
 pub use arguments::{Arguments, Command};
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
@@ -72,7 +72,7 @@ pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use tape::TapeArguments;
 
-use crate::{doctor, evaluation, learning, mapping_commands, recordings, window};
+use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports, window};
 
 /// Runs the command.
 ///
@@ -82,7 +82,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => recordings::blackbox(&arguments),
-        Some(Command::Report(arguments)) => recordings::report(&arguments),
+        Some(Command::Report(arguments)) => reports::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),

@@ -9,6 +9,7 @@ mod train_detector;
 
 pub use ask::{AskArguments, AskQuestion, run as ask};
 pub use learn::{LearnArguments, PlaceArguments, run as learn};
+#[cfg(feature = "laboratory")]
 pub(crate) use learn::{bad, bounds, open};
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat, run as train};

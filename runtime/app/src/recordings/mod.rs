@@ -10,7 +10,6 @@ mod frame_tree;
 mod ground;
 mod inspect;
 mod replay;
-mod report;
 
 pub use arguments::{DecodeArguments, ModelArgument, ReplayArguments};
 pub use blackbox::{BlackBoxArguments, run as blackbox};
@@ -21,4 +20,3 @@ pub use ground::{GroundArguments, run as eval_ground};
 pub use inspect::{InspectArguments, run as inspect};
 pub use replay::run as replay;
 pub(crate) use replay::{MCAP_MAGIC, cloud_number, is_capture, is_log, not_for_us};
-pub use report::{ReportArguments, run as report};

@@ -92,4 +92,7 @@ pub struct HostedOnly {
     pub modules: Vec<String>,
     /// Why it is in no image.
     pub reason: String,
+    /// Files that are compiled for a microcontroller and name it all the same, as a type that no board's code takes.
+    #[serde(default)]
+    pub named_by: Vec<String>,
 }

@@ -26,7 +26,13 @@ pub fn is_hosted(file: &str) -> bool {
 pub fn shown(entry: &HostedOnly) -> String {
     match entry.modules.as_slice() {
         [] => entry.package.clone(),
-        modules => format!("{}::{{{}}}", entry.package, modules.join(", ")),
+        modules if entry.named_by.is_empty() => format!("{}::{{{}}}", entry.package, modules.join(", ")),
+        modules => format!(
+            "{}::{{{}}} (named by {}, in what no board calls)",
+            entry.package,
+            modules.join(", "),
+            entry.named_by.join(", ")
+        ),
     }
 }
 
@@ -94,13 +100,22 @@ struct Visitor<'a> {
 }
 
 impl Visitor<'_> {
+    /// The facts list this file as one that names the module: what stands on it is generic, and no board asks for it.
+    fn may_name(&self, krate: &str, name: &str) -> bool {
+        let mut entries =
+            facts().hosted_only.iter().filter(|entry| sources::ident_of(&entry.package) == krate);
+        entries.any(|entry| {
+            entry.modules.iter().any(|module| module == name) && entry.named_by.contains(&self.file.path)
+        })
+    }
+
     fn named(&mut self, path: &[String], line: usize) {
         let Some((first, rest)) = path.split_first() else { return };
         let krate = self.own_crate.as_ref().filter(|_| first == "crate").unwrap_or(first);
         let Some(apart) = self.names.get(krate) else { return };
         let shown = match rest.first() {
             _ if apart.is_empty() => krate.clone(),
-            Some(name) if apart.contains(name) => format!("{krate}::{name}"),
+            Some(name) if apart.contains(name) && !self.may_name(krate, name) => format!("{krate}::{name}"),
             _ => return,
         };
         let message = format!("names `{shown}`, which is in no safety image");

@@ -30,23 +30,25 @@ pub struct Forbidden {
 
 /// Searches one file.
 pub fn inspect(file: &SourceFile, into: &mut Forbidden) {
-    let mut imports = FixedVec(false);
+    let mut imports = FixedCapacity::default();
     imports.visit_file(&file.syntax);
-    let imports_fixed_vec = imports.0;
-    let mut visitor =
-        Visitor { file, into, functions: vec![], owner: None, imports_fixed_vec, constant: false };
+    let fixed = imports.0;
+    let mut visitor = Visitor { file, into, functions: vec![], owner: None, fixed, constant: false };
     visitor.visit_file(&file.syntax);
     visitor.crate_attributes();
 }
 
-/// The file imports a vector of fixed capacity, so that `Vec` means that one.
-struct FixedVec(bool);
+/// What the file imports of fixed capacity, so that `Vec` or `String` means that one.
+#[derive(Default)]
+struct FixedCapacity(Vec<&'static str>);
 
-impl<'ast> Visit<'ast> for FixedVec {
+impl<'ast> Visit<'ast> for FixedCapacity {
     fn visit_use_path(&mut self, import: &'ast syn::UsePath) {
         let text = shown(&import.tree);
-        let names = text.split(|c: char| !c.is_alphanumeric() && c != '_');
-        self.0 |= import.ident == "heapless" && names.into_iter().any(|name| name == "Vec");
+        let names: Vec<&str> = text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+        if import.ident == "heapless" {
+            self.0.extend(["Vec", "String"].into_iter().filter(|name| names.contains(name)));
+        }
     }
 }
 
@@ -63,7 +65,8 @@ struct Visitor<'a> {
     functions: Vec<Named>,
     /// Type of the `impl` block around it.
     owner: Option<String>,
-    imports_fixed_vec: bool,
+    /// Names that mean something of fixed capacity here.
+    fixed: Vec<&'static str>,
     /// Inside what the compiler computes: a panic there fails the build, never the robot.
     constant: bool,
 }
@@ -88,8 +91,8 @@ impl Visitor<'_> {
 
     fn heap_name(&mut self, identifier: &syn::Ident) {
         let name = identifier.to_string();
-        let growing_vec = name == "Vec" && !self.imports_fixed_vec;
-        if HEAP_NAMES.contains(&name.as_str()) || growing_vec {
+        let grows = name == "Vec" || HEAP_NAMES.contains(&name.as_str());
+        if grows && !self.fixed.contains(&name.as_str()) {
             let finding = self.finding(identifier, format!("`{name}` needs the heap; use a fixed capacity"));
             self.into.heap.push(finding);
         }
@@ -146,7 +149,10 @@ impl Visitor<'_> {
                 self.into.pointers.push(finding(String::from("trait object inside a macro")));
             } else if is(PANICKING_METHODS) || is(PANICKING_MACROS) {
                 self.into.panics.push(finding(format!("`{word}` inside a macro can panic")));
-            } else if is(HEAP_NAMES) || is(&["vec", "format"]) || word == "Vec" && !self.imports_fixed_vec {
+            } else if is(HEAP_NAMES)
+                || is(&["vec", "format"])
+                || word == "Vec" && !self.fixed.contains(&"Vec")
+            {
                 self.into.heap.push(finding(format!("`{word}` inside a macro needs the heap")));
             }
         }

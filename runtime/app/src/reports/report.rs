@@ -7,7 +7,7 @@ use std::time::UNIX_EPOCH;
 
 use clap::Args;
 
-use super::say_findings;
+use crate::recordings::say_findings;
 use floorguard_configuration::{RecordedConfiguration, parse_recorded};
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;

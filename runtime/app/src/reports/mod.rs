@@ -1,0 +1,5 @@
+//! Recordings as pages for people: `floorguard report`.
+
+mod report;
+
+pub use report::{ReportArguments, run};
