@@ -100,6 +100,84 @@ async function layouts(browser, address) {
   }
 }
 
+// The page with a moment that never changes, so that pictures of it can be compared.
+async function still(browser, options) {
+  const scene = JSON.parse(readFileSync(new URL("scene.json", import.meta.url), "utf8"));
+  const context = await fresh(browser, {...options, timezoneId: "Europe/Berlin"});
+  let shown = false;
+  await context.route(url => Object.hasOwn(scene, url.pathname), route => {
+    const path = new URL(route.request().url()).pathname;
+    if (path === "/state" && shown) return undefined; // nothing newer comes
+    shown ||= path === "/state";
+    return route.fulfill({json: scene[path]});
+  });
+  return context;
+}
+
+// How much of two pictures of one size differs: the share of places that are lighter or darker by a sixth, in any colour.
+const differing = async ([one, other]) => {
+  const [a, b] = await Promise.all([one, other].map(async url => {
+    const image = new Image(); image.src = url; await image.decode();
+    const canvas = document.createElement("canvas"), g = canvas.getContext("2d");
+    canvas.width = image.width; canvas.height = image.height; g.drawImage(image, 0, 0);
+    return g.getImageData(0, 0, image.width, image.height);
+  }));
+  if (a.width !== b.width || a.height !== b.height) return 1;
+  let count = 0;
+  for (let i = 0; i < a.data.length; i += 4) if ([0, 1, 2].some(j => Math.abs(a.data[i + j] - b.data[i + j]) > 42)) count++;
+  return 4 * count / a.data.length;
+};
+
+// A picture at a quarter of its size: letters of another font become the same grey.
+const small = async url => {
+  const image = new Image(); image.src = url; await image.decode();
+  const canvas = document.createElement("canvas"), g = canvas.getContext("2d");
+  canvas.width = Math.round(image.width / 4); canvas.height = Math.round(image.height / 4);
+  g.imageSmoothingQuality = "high"; g.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return canvas.toDataURL("image/png");
+};
+
+// Pictures of a still moment beside those that are kept in tests/panel/pictures. PANEL_UPDATE=1 keeps them anew: look at them first.
+async function pictures(browser, address) {
+  const kept = new URL("pictures/", import.meta.url), bench = await (await browser.newContext()).newPage();
+  mkdirSync(kept, {recursive: true});
+  for (const width of [390, 768, 1280]) for (const [theme, language] of [["light", "en"], ["dark", "en"], ...(width === 390 ? ["de", "fr", "it", "es"].map(code => ["light", code]) : [])]) {
+    const name = ["panel", width, theme, language].join("-") + ".png";
+    const context = await still(browser, {viewport: {width, height: 844}, colorScheme: theme, locale: "en-GB"});
+    const page = await context.newPage();
+    await page.goto(address);
+    await page.selectOption("#language", language);
+    await ready(page);
+    await page.click("[data-act=whole]");
+    if (width === 390) await openAll(page);
+    const whole = await page.screenshot({path: join(shots, name), fullPage: width === 390, animations: "disabled"});
+    const broken = await page.evaluate(brokenWords);
+    check("no word and no number is broken, " + name, broken.length === 0, broken.slice(0, 4).join("; "));
+    const now = await bench.evaluate(small, "data:image/png;base64," + whole.toString("base64"));
+    const file = new URL(name, kept);
+    if (process.env.PANEL_UPDATE) writeFileSync(file, Buffer.from(now.split(",")[1], "base64"));
+    let share = 1;
+    try { share = await bench.evaluate(differing, ["data:image/png;base64," + readFileSync(file).toString("base64"), now]); } catch { /* there is none yet */ }
+    check("looks as it is kept, " + name, share <= 0.015, (100 * share).toFixed(2) + " % differ");
+    await context.close();
+  }
+}
+
+// Words and numbers that go on in the next line.
+const brokenWords = () => {
+  const out = [], range = document.createRange();
+  for (const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); walker.nextNode();) {
+    const text = walker.currentNode;
+    if (!text.parentElement.offsetParent || text.parentElement.closest(".unseen, script, style, option")) continue;
+    for (const hit of text.data.matchAll(/[^\s\-\/]+/g)) {
+      range.setStart(text, hit.index); range.setEnd(text, hit.index + hit[0].length);
+      const tops = new Set([...range.getClientRects()].map(box => Math.round(box.top)));
+      if (tops.size > 1) out.push(hit[0]);
+    }
+  }
+  return out;
+};
+
 // Where a place of the map's frame is in the window.
 const windowOf = ([x, y]) => { const box = document.getElementById("map").getBoundingClientRect(), at = onScreen(mapFrame().inOdometry([x, y])); return [box.left + at[0], box.top + at[1]]; };
 
@@ -137,7 +215,7 @@ async function tasks(browser, address, how) {
     await page.mouse.move(...a); await page.mouse.down(); await page.mouse.move(...b, {steps: 5}); await page.mouse.up();
   };
   const counted = (task, good, more) => { check(how + ", " + task + ": " + clicks + " clicks", good && clicks <= 5, more); clicks = 0; };
-  const answered = selector => page.waitForFunction(selector, null, {timeout: 60000}).then(() => true, () => false);
+  const answered = selector => page.waitForFunction(selector, null, {timeout: 240000}).then(() => true, () => false);
 
   // Where the robot may be told to be and where areas go: free floor of the map.
   await page.evaluate(() => { whole(); });
@@ -344,7 +422,7 @@ try {
   const where = await address;
   browser = await browserType.launch({executablePath: chromium, args: ["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]});
   const only = process.env.PANEL_CHECK || "";
-  const parts = {layouts: () => layouts(browser, where), mouse: () => tasks(browser, where, "mouse"), touch: () => tasks(browser, where, "touch"), keyboard: () => tasks(browser, where, "keyboard"), tabs: () => tabs(browser, where), viewer: () => viewer(browser, where), frames: () => frames(browser, where), reports: () => reports(browser), viewers};
+  const parts = {pictures: () => pictures(browser, where), layouts: () => layouts(browser, where), mouse: () => tasks(browser, where, "mouse"), touch: () => tasks(browser, where, "touch"), keyboard: () => tasks(browser, where, "keyboard"), tabs: () => tabs(browser, where), viewer: () => viewer(browser, where), frames: () => frames(browser, where), reports: () => reports(browser), viewers};
   for (const [name, part] of Object.entries(parts)) {
     if (only && !only.split(",").includes(name)) continue;
     try { await part(); } catch (error) { check(name + " went through", false, String(error).split("\n").slice(0, 3).join(" ")); }

@@ -229,7 +229,15 @@ mod tests {
     fn section_is_read_with_its_defaults() {
         assert_eq!(read(""), Ok(None));
         let lidar = read(EXAMPLE_SECTION).unwrap().unwrap();
-        assert_eq!(lidar.motor, ScanMotorConfiguration::PUBLISHED);
+        let ScanMotorConfiguration { left_rad, right_rad, .. } = ScanMotorConfiguration::PUBLISHED;
+        assert!(
+            (lidar.motor.left_rad - left_rad).abs() < 1.0e-6
+                && (lidar.motor.right_rad - right_rad).abs() < 1.0e-6
+        );
+        assert_eq!(
+            ScanMotorConfiguration { left_rad, right_rad, ..lidar.motor },
+            ScanMotorConfiguration::PUBLISHED
+        );
         assert_eq!((lidar.mounted_m, lidar.cell_m, lidar.threshold_m), ([0.3, 0.0, 0.57], 0.05, 1.0));
         let words = lidar.words();
         assert!(words.contains("URG-04LX") && words.contains("±113°") || words.contains("±112°"), "{words}");

@@ -11,13 +11,12 @@ use floorguard_types::units::radians;
 use super::address::{
     CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
 };
-use super::base::Wheels;
 use super::reader::Reader;
+use super::wheels::Wheels;
 
-mod distinct;
+mod channels;
 
-pub(super) use distinct::{Addresses, check_addresses};
-use distinct::{check_bits, check_channels};
+use channels::{check_bits, check_channels};
 
 /// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
 /// capacity.

@@ -10,6 +10,7 @@ mod camera;
 mod command;
 mod coverage;
 mod devices;
+mod distinct;
 mod fields;
 mod fleet;
 mod learning;
@@ -23,6 +24,7 @@ mod reader;
 mod reference;
 mod sensors;
 mod warnings;
+mod wheels;
 
 pub use absent::{Absence, absences};
 pub use actuated_lidar::{ActuatedLidarConfiguration, ScipAddress, ScipModel};

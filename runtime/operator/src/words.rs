@@ -71,6 +71,46 @@ impl Language {
         known.map_or_else(|| english.to_owned(), |end| [self.say(&english[..end]), &english[end..]].concat())
     }
 
+    /// The line of a cause with what was measured, the limit, the age and the action: all of it in this language.
+    #[must_use]
+    pub fn cause(self, english: &str) -> String {
+        let (left, action) = english.split_once(" -> ").unwrap_or((english, ""));
+        // Names of causes may hold a colon themselves.
+        let mut spoken =
+            if table().contains_key(left) { vec![self.say(left).to_owned()] } else { self.measured(left) };
+        if !action.is_empty() {
+            spoken.push(self.say(action).to_owned());
+        }
+        spoken.join(", ")
+    }
+
+    /// `name: value, limit value, age`, piece by piece.
+    fn measured(self, english: &str) -> Vec<String> {
+        let mut pieces = english.split(", ");
+        let first = pieces.next().unwrap_or_default();
+        let (name, measured) = first.split_once(": ").unwrap_or((first, ""));
+        let mut spoken = vec![self.begin(name)];
+        if !measured.is_empty() {
+            spoken.push(self.fill("measured: {}", &[&self.decimals(measured)]));
+        }
+        for piece in pieces {
+            let parts =
+                (piece.strip_prefix("limit "), piece.strip_suffix(" old"), piece.strip_prefix("code "));
+            spoken.push(match parts {
+                (Some(limit), ..) => self.fill("limit: {}", &[&self.decimals(limit)]),
+                (_, Some(age), _) => self.fill("{} old", &[&self.decimals(age)]),
+                (.., Some(code)) => self.fill("code {}", &[code]),
+                _ => self.begin(piece),
+            });
+        }
+        spoken
+    }
+
+    /// Numbers in a text with the point or comma of this language.
+    fn decimals(self, text: &str) -> String {
+        if self == Self::English { text.to_owned() } else { text.replace('.', ",") }
+    }
+
     /// A number with so many digits behind the point, or comma.
     #[must_use]
     pub fn number(self, value: f64, digits: usize) -> String {
@@ -128,6 +168,17 @@ mod tests {
         assert_eq!(
             german.begin("emergency stop pressed, 3 s"),
             format!("{}, 3 s", german.say("emergency stop pressed"))
+        );
+        let line = "obstacle in the protective field (lidar): 0.81 m, limit 0.84 m, 1 ms old -> stop and hold (category 2)";
+        assert_eq!(
+            german.cause(line),
+            "Hindernis im Schutzfeld (Lidar), gemessen: 0,81 m, Grenze: 0,84 m, 1 ms alt, Halt mit gehaltenem Antrieb (Kategorie 2)"
+        );
+        let start = "start-up check: not every required source was healthy yet";
+        let action = "stop and hold (category 2)";
+        assert_eq!(
+            german.cause(&format!("{start} -> {action}")),
+            format!("{}, {}", german.say(start), german.say(action))
         );
         assert_eq!(german.begin("größer"), "größer");
         assert_eq!((german.number(1.25, 1), english.number(1.25, 1)), ("1,2".to_owned(), "1.2".to_owned()));

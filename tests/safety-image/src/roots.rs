@@ -22,7 +22,7 @@ pub extern "C" fn entry(state: Option<&mut ImageState>) {
     root_guard_motion(state, now);
     root_guard_advice(&mut state.guard, &state.advice, now);
     root_guard_tick(&mut state.guard, now);
-    root_guard_start(&mut state.built, &state.config, now);
+    root_guard_start(&mut state.started, &state.config, now);
     drivers::all(&mut state.drivers, now);
     perception::all(&mut state.perception, now);
 }
@@ -30,7 +30,7 @@ pub extern "C" fn entry(state: Option<&mut ImageState>) {
 /// All state of the image.
 pub struct ImageState {
     guard: Supervisor,
-    built: Option<Supervisor>,
+    started: Supervisor,
     config: GuardConfig,
     drivers: drivers::Drivers,
     perception: perception::Perception,
@@ -89,9 +89,9 @@ fn root_guard_tick(guard: &mut Supervisor, now: Stamp) -> Decision {
     black_box(guard.tick(now))
 }
 
-/// Building the guard is start-up work; it is linked so that its code is read too. The place for it is given, as the
-/// boards give a static.
+/// Configuring the guard is start-up work; it is linked so that its code is read too. It happens where the guard stays, as on the
+/// boards, which give it a static.
 #[inline(never)]
-fn root_guard_start(place: &mut Option<Supervisor>, config: &GuardConfig, now: Stamp) {
-    *place = Supervisor::new(config.clone(), now).ok();
+fn root_guard_start(guard: &mut Supervisor, config: &GuardConfig, now: Stamp) {
+    let _ = black_box(guard.configure(config.clone(), now));
 }

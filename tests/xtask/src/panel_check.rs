@@ -6,10 +6,10 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 
-use crate::shell;
+use crate::{program, shell};
 
 /// Names under which Chromium is installed.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
@@ -19,9 +19,13 @@ const PACKAGES: [&str; 2] = ["playwright-core@1", "axe-core@4"];
 /// What to walk through.
 #[derive(Args)]
 pub struct Options {
-    /// Only these parts: layouts, mouse, touch, keyboard, tabs, viewer, frames, reports, viewers.
+    /// Only these parts: pictures, layouts, mouse, touch, keyboard, tabs, viewer, frames, reports, viewers.
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
+    /// Keep the pictures of the page as they are now (`tests/panel/pictures`), for later runs to compare with: look at them
+    /// first.
+    #[arg(long)]
+    update: bool,
 }
 
 /// Builds, installs and walks. True when every check passed, or there is no browser.
@@ -38,14 +42,15 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(true);
         }
     };
-    if !shell::succeeds(shell::cargo().args(["build", "--quiet", "--package", "floorguard"]))? {
-        bail!("the program cannot be built");
-    }
+    let program = program::built("floorguard")?;
     let _ = std::fs::remove_file(folder.join("records.json"));
     let mut walk = Command::new("node");
     walk.arg(shell::root().join("tests/panel/check.mjs"));
-    walk.arg(shell::target_folder().join("debug/floorguard")).arg(browser).arg(&folder);
+    walk.arg(program).arg(browser).arg(&folder);
     walk.env("PANEL_CHECK", options.only.join(","));
+    if options.update {
+        walk.env("PANEL_UPDATE", "1");
+    }
     shell::succeeds(&mut walk)
 }
 

@@ -34,6 +34,8 @@ const STEPS: &[Step] = &[
         "robot-program",
         "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet -- --deny warnings",
     ),
+    // The writer of the trained detector; the runtime of foreign models takes minutes to compile and is left out.
+    ("detector", "clippy --quiet --package floorguard-laboratory --features detector -- --deny warnings"),
     ("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET"),
     ("tests", "test --workspace --no-fail-fast"),
     ("firmware", "xtask firmware"),

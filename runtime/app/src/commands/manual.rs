@@ -35,11 +35,14 @@ pub fn run(arguments: &ManualArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// `help COMMAND` shows what `COMMAND --help` does: no pages of its own.
+fn without_help(command: clap::Command) -> clap::Command {
+    command.disable_help_subcommand(true).mut_subcommands(without_help)
+}
+
 /// A page for the program and one for each of its commands.
 fn write_pages(folder: &Path) -> std::io::Result<usize> {
-    let mut program = Arguments::command();
-    program.build();
-    clap_mangen::generate_to(program.clone(), folder)?;
+    clap_mangen::generate_to(without_help(Arguments::command()), folder)?;
     Ok(std::fs::read_dir(folder)?
         .filter_map(Result::ok)
         .filter(|file| file.path().extension().is_some_and(|extension| extension == "1"))

@@ -318,6 +318,10 @@ fn each_command_has_example_and_man_page() {
         waiting.extend(inner.map(|sub| (format!("{name}-{}", sub.get_name()), sub.clone())));
     }
     assert!(seen > 25, "{seen}");
+    let pages = std::fs::read_dir(folder.path()).expect("pages").filter_map(Result::ok);
+    let pages =
+        pages.filter(|file| file.path().extension().is_some_and(|extension| extension == "1")).count();
+    assert_eq!(pages, seen, "a page for each command, and none for `help`");
     let completions = std::fs::read_to_string(folder.path().join("floorguard.bash")).expect("completions");
     assert!(completions.contains("--panel-records"));
 }

@@ -90,13 +90,13 @@ fn decided(html: &mut String, incident: &Incident) {
 
 fn sources(html: &mut String, incident: &Incident) {
     html.push_str(
-        "<h2>What each sensor saw</h2><div class=wide tabindex=0 role=region aria-label=\"What each sensor saw\"><table><tr><th>source<th>health<th class=num>age<th>saw</tr>",
+        "<h2>What each sensor saw</h2><div class=wide tabindex=0 role=region aria-label=\"What each sensor saw\"><table><tr><th>source<th>health<th class=num>age<th class=why>saw</tr>",
     );
     for source in &incident.sources {
         let age = source.age_ms.map_or_else(|| "never".to_owned(), |age| format!("{age} ms"));
         let _ = write!(
             html,
-            "<tr><td>{}<td>{}<td class=num>{age}<td>{}</tr>",
+            "<tr><td>{}<td>{}<td class=num>{age}<td class=why>{}</tr>",
             escaped(source.name),
             escaped(&source.health),
             escaped(&source.saw)
@@ -110,12 +110,12 @@ fn causes(html: &mut String, incident: &Incident) {
         return;
     }
     html.push_str(
-        "<h2>What else held at the same time</h2><div class=wide tabindex=0 role=region aria-label=\"What else held at the same time\"><table><tr><th class=num>since<th>cause<th>rule<th>remedy</tr>",
+        "<h2>What else held at the same time</h2><div class=wide tabindex=0 role=region aria-label=\"What else held at the same time\"><table><tr><th class=num>since<th class=why>cause<th>rule<th class=why>remedy</tr>",
     );
     for CauseLine { text, requirement, remedy, since_s, .. } in &incident.others {
         let _ = write!(
             html,
-            "<tr><td class=num>{since_s:.3} s<td>{}<td>{requirement}<td>{}</tr>",
+            "<tr><td class=num>{since_s:.3} s<td class=why>{}<td>{requirement}<td class=why>{}</tr>",
             escaped(text),
             escaped(remedy)
         );
@@ -126,7 +126,7 @@ fn causes(html: &mut String, incident: &Incident) {
 fn before(html: &mut String, incident: &Incident) {
     html.push_str(
         "<h2>The ten seconds before</h2><div class=wide tabindex=0 role=region aria-label=\"The ten seconds before\"><table><tr><th class=num>time<th>state<th class=num>m/s<th \
-         class=num>permitted<th class=num>at most<th class=num>nearest person<th>held or limited by</tr>",
+         class=num>permitted<th class=num>at most<th class=num>nearest person<th class=why>held or limited by</tr>",
     );
     for row in &incident.before {
         let person = row.person_m.map_or_else(|| "–".to_owned(), |metres| format!("{metres:.1} m"));
@@ -134,7 +134,7 @@ fn before(html: &mut String, incident: &Incident) {
             if row.limit_mps.is_finite() { format!("{:.2}", row.limit_mps) } else { "–".to_owned() };
         let _ = write!(
             html,
-            "<tr><td class=num>{:.3} s<td>{}<td class=num>{:.2}<td class=num>{:.2}<td class=num>{limit}<td class=num>{person}<td>{}</tr>",
+            "<tr><td class=num>{:.3} s<td>{}<td class=num>{:.2}<td class=num>{:.2}<td class=num>{limit}<td class=num>{person}<td class=why>{}</tr>",
             row.at_s,
             escaped(&row.state),
             row.speed_mps + 0.0,

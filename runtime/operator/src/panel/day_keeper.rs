@@ -178,7 +178,8 @@ fn place_of(frame: &Frame) -> String {
         let (sin, cos) = libm::sincosf(turn_rad);
         (map_x_m + cos * x_m - sin * y_m, map_y_m + sin * x_m + cos * y_m)
     });
-    format!("{:.0},{:.0}", x_m + 0.0, y_m + 0.0)
+    // Rounded first, so that no place is called -0.
+    format!("{},{}", x_m.round() + 0.0, y_m.round() + 0.0)
 }
 
 fn date_of(iso: &str) -> &str {

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::headline::Headline;
 use super::hub::Order;
 use super::layers::MissionFrame;
+use super::pieces::Piece;
 use super::supplies::SuppliesFrame;
 use crate::surroundings::Holder;
 use floorguard_robot::cleaner::QueueStatus;
@@ -59,6 +60,8 @@ pub struct CauseFrame {
     pub name: String,
     /// What happened, in words and numbers.
     pub text: String,
+    /// The same piece by piece, for other languages; empty where the name says it all.
+    pub pieces: Vec<Piece>,
     /// What helps.
     pub remedy: &'static str,
 }
@@ -95,6 +98,8 @@ pub struct Frame {
     pub reset_allowed: bool,
     /// Why the last reset was refused, and what helps, while the guard waits for a reset.
     pub reset_refused: Option<String>,
+    /// The same piece by piece, for other languages.
+    pub reset_refused_pieces: Vec<Piece>,
     /// The guard waits for the start command.
     pub start_allowed: bool,
     /// Where the robot is in the odometry frame: x, y, heading.

@@ -5,6 +5,7 @@ use floorguard_runtime::shared::RobotStatus;
 use floorguard_types::time::Stamp;
 use serde::Serialize;
 
+use super::pieces::{self, Piece};
 use super::plain::remedy;
 
 /// What the history tells of.
@@ -42,6 +43,8 @@ pub struct HeldEvent {
     pub name: String,
     /// Which cause, or why; empty for a reset that was granted.
     pub text: String,
+    /// The same piece by piece, for other languages.
+    pub(super) pieces: Vec<Piece>,
     /// What helps; empty if there is nothing to do.
     pub remedy: &'static str,
 }
@@ -84,6 +87,7 @@ impl HeldHistory {
                 kind: HeldKind::Held,
                 name: record.cause.to_string(),
                 text: record.to_string(),
+                pieces: pieces::of_cause(&record),
                 remedy: remedy(&record),
             });
         }
@@ -97,7 +101,8 @@ impl HeldHistory {
             let refusal = resets.refusal;
             let text = refusal.map(|why| why.to_string()).unwrap_or_default();
             let (kind, remedy) = (HeldKind::ResetRefused, refusal_remedy(resets, at));
-            Some(HeldEvent { at, kind, name: kind.words().to_owned(), text, remedy })
+            let pieces = pieces::of_refusal(refusal, remedy);
+            Some(HeldEvent { at, kind, name: kind.words().to_owned(), text, pieces, remedy })
         } else if resets.granted > before.granted {
             self.reported = 0;
             Some(HeldEvent {
@@ -105,6 +110,7 @@ impl HeldHistory {
                 kind: HeldKind::ResetGranted,
                 name: HeldKind::ResetGranted.words().to_owned(),
                 text: String::new(),
+                pieces: Vec::new(),
                 remedy: "Look around, then press start.",
             })
         } else {

@@ -15,6 +15,7 @@ use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, ro
 use super::headline::headline;
 use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::layers::{Layers, MissionFrame, layers, mission_frame};
+use super::pieces;
 use super::plain::remedy;
 use super::supplies::Supplies;
 use crate::surroundings::{Surroundings, followed, scan_hits};
@@ -123,7 +124,8 @@ impl PanelView {
             let at_s = seconds(event.at, start);
             let then = if event.kind == HeldKind::Held { "then " } else { "" };
             let text = format!("{then}{}", event.line());
-            self.list_stop(CauseFrame { at_s, name: event.name.clone(), text, remedy: event.remedy });
+            let (name, pieces) = (event.name.clone(), event.pieces.clone());
+            self.list_stop(CauseFrame { at_s, name, text, pieces, remedy: event.remedy });
             if event.kind != HeldKind::Held {
                 self.refused = Some(event).filter(|event| event.kind == HeldKind::ResetRefused);
             }
@@ -165,6 +167,7 @@ impl PanelView {
             paused: shared.is_paused(),
             reset_allowed: decision.state == GuardState::Latched,
             reset_refused: self.refused.as_ref().map(|event| format!("{}. {}", event.line(), event.remedy)),
+            reset_refused_pieces: self.refused.as_ref().map_or_else(Vec::new, |event| event.pieces.clone()),
             start_allowed: decision.state == GuardState::AwaitsStart,
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),
@@ -241,6 +244,7 @@ fn cause_frame(record: &CauseRecord, start: Stamp) -> CauseFrame {
         at_s: seconds(record.raised_at, start),
         name: record.cause.to_string(),
         text: record.to_string(),
+        pieces: pieces::of_cause(record),
         remedy: remedy(record),
     }
 }

@@ -2,11 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_guard::{Cause, Health};
+use floorguard_guard::{Action, Cause, CauseRecord, Health, ResetRefusal, Source, Unit};
 use floorguard_robot::cleaner::MissionPhase;
+use floorguard_types::time::Stamp;
 use serde_json::Value;
 
+use super::pieces;
+
 const LANGUAGES: usize = 5;
+const ACTIONS: [Action; 5] =
+    [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0];
 
 fn table() -> BTreeMap<String, Vec<String>> {
     let text = include_str!("page/words.js").trim();
@@ -51,6 +56,24 @@ fn each_row_has_five_languages_and_their_gaps() {
     }
 }
 
+/// What the page says of a cause and of a refused reset, with everything that they can hold.
+fn pieces_of_causes() -> Vec<String> {
+    let whole = CauseRecord {
+        health: Health::Stale,
+        ahead_us: 5,
+        ..CauseRecord::new(Cause::ScanProtective, Stamp::ZERO).metres(1.0, 2.0).aged(5)
+    };
+    let code = CauseRecord::new(Cause::DriveFault, Stamp::ZERO).measured(1.0, 0.0, Unit::Code);
+    let refusals = [
+        ResetRefusal::Present(Cause::DriveFault),
+        ResetRefusal::NotHealthy(Source::Lidar, Health::Stale),
+        ResetRefusal::Moving,
+    ];
+    let refused = refusals.map(|refusal| pieces::of_refusal(Some(refusal), ""));
+    let all = [pieces::of_cause(&whole), pieces::of_cause(&code)].into_iter().chain(refused).flatten();
+    all.map(|piece| piece.key).collect()
+}
+
 #[test]
 fn robot_speaks_five_languages() {
     let table = table();
@@ -68,6 +91,8 @@ fn robot_speaks_five_languages() {
     let words = causes
         .chain(health.map(|health| health.to_string()))
         .chain(phases.map(|phase| phase.name().to_owned()))
+        .chain(ACTIONS.map(|action| action.to_string()))
+        .chain(pieces_of_causes())
         .chain(sentences(include_str!("plain.rs")));
     let missing: Vec<String> = words.filter(|words| !table.contains_key(words)).collect();
     assert!(missing.is_empty(), "{missing:#?}");

@@ -14,8 +14,8 @@ pub enum Scale {
     Occupied,
     /// 0 none, 100 most.
     Dirt,
-    /// 0 dirty, 50 uncertain, 100 claimed clean.
-    Claimed,
+    /// 0 to do, 20 assumed clean, 50 uncertain, 100 cleaned.
+    State,
 }
 
 impl Scale {
@@ -27,9 +27,10 @@ impl Scale {
                 format!("rgb({light} {light} {light})")
             }
             Self::Dirt => format!("rgb({} {} {})", 255 - steps * 30, 255 - steps * 42, 255 - steps * 48),
-            Self::Claimed if shade == 0 => "#fff".to_owned(),
-            Self::Claimed if shade + 1 < SHADES => "#f2c14e".to_owned(),
-            Self::Claimed => "#7fb77e".to_owned(),
+            Self::State => ["#fff", "#8ab6d6", "#f2c14e", "#f2c14e", "#f2c14e"]
+                .get(usize::from(shade))
+                .map_or("#7fb77e", |colour| colour)
+                .to_owned(),
         }
     }
 }
@@ -112,7 +113,7 @@ mod tests {
         cells[43] = 100;
         let header = Header { stamp: Stamp::ZERO, frame: "map".to_owned() };
         let grid = Grid { header, resolution_m: 0.1, width: 10, height: 10, origin: Pose2::default(), cells };
-        let svg = picture(&grid, Scale::Claimed);
+        let svg = picture(&grid, Scale::State);
         assert!(svg.contains("viewBox=\"0 0 4 3\"") && svg.contains("M1 1h2v1h-2z"), "{svg}");
         assert!(svg.contains("#7fb77e"), "{svg}");
     }

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use super::charts;
 use super::grids::{self, Scale};
 use super::history::History;
+use super::proof::{self, ASSUMED, CLEANED, TO_DO};
 use super::style::{chart, count_tile, tiles};
+use floorguard_recording::decode::Grid;
 use floorguard_recording::topics;
 
 /// The section; nothing for a run without a mission.
@@ -27,12 +29,12 @@ pub fn section(html: &mut String, history: &History) {
     html.push_str(&chart(&charts::progress(history)));
     html.push_str("<p class=legend>Line: dirty floor claimed clean, percent, over the time of the run.</p>");
     if let Some((_, claimed)) = history.grids.get(topics::CLAIMED) {
-        html.push_str("<h3>Claimed clean</h3>");
-        html.push_str(&grids::picture(claimed, Scale::Claimed));
+        html.push_str("<h3>The floor</h3>");
+        html.push_str(&grids::picture(&states(history, claimed), Scale::State));
         let _ = write!(
             html,
-            "<p class=legend>Green: claimed clean. Yellow: swept, but not surely enough. White: not cleaned. Grey: \
-             not the mission's floor. {}</p>",
+            "<p class=legend>Green: cleaned in this run. Blue: assumed clean. Yellow: swept, but not surely enough. \
+             White: to do. Grey: not the mission's floor. {}</p>",
             grids::size(claimed)
         );
     }
@@ -48,5 +50,44 @@ pub fn section(html: &mut String, history: &History) {
         html.push_str(
             "</div><p class=legend>Expected dirt; darkest: as much as the dirtiest place had before.</p>",
         );
+    }
+}
+
+/// What became of each cell, as the proof says it, in steps of [`Scale::State`].
+fn states(history: &History, claimed: &Grid) -> Grid {
+    let mut states = proof::cells(history).into_iter().map(|cell| match cell.state {
+        CLEANED => 100,
+        ASSUMED => 20,
+        TO_DO => 0,
+        _ => 50,
+    });
+    let cells = claimed.cells.iter().map(|cell| if *cell < 0 { -1 } else { states.next().unwrap_or(-1) });
+    Grid { cells: cells.collect(), ..claimed.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_recording::decode::Header;
+    use floorguard_types::geometry::Pose2;
+    use floorguard_types::time::Stamp;
+
+    fn grid(cells: &[i8]) -> Grid {
+        let header = Header { stamp: Stamp::ZERO, frame: "map".to_owned() };
+        let (width, cells) = (cells.len(), cells.to_vec());
+        Grid { header, resolution_m: 0.1, width, height: 1, origin: Pose2::default(), cells }
+    }
+
+    /// What nobody has cleaned is not drawn as what was: of this floor a single cell was cleaned in the run.
+    #[test]
+    fn assumed_floor_has_a_colour_of_its_own() {
+        let mut history = History::default();
+        let (first, last) = (grid(&[100, 100, 0, 0, -1, 0]), grid(&[100, 100, 100, 50, -1, 0]));
+        history.grids.insert(topics::CLAIMED.to_owned(), (first, last.clone()));
+        let shown = states(&history, &last);
+        assert_eq!(shown.cells, [20, 20, 100, 50, -1, 0]);
+        let svg = grids::picture(&shown, Scale::State);
+        assert!(svg.contains("M1 1h2v1h-2z\" fill=\"#8ab6d6\""), "{svg}");
+        assert!(svg.contains("M3 1h1v1h-1z\" fill=\"#7fb77e\""), "{svg}");
     }
 }

@@ -1,7 +1,7 @@
 //! The proof of cleaning as a PDF file, without a browser, in five languages.
 
 use super::history::History;
-use super::proof::{Cell, Cleaning, Proof, cells};
+use super::proof::{Cell, Cleaning, Proof, cells, day_and_time};
 use super::sheet::Sheet;
 use crate::words::Language;
 use floorguard_recording::topics;
@@ -15,8 +15,9 @@ const HELD_MAX: usize = 40;
 #[must_use]
 pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
     let mut sheet = Sheet::new(language.say("Proof of cleaning"));
+    let date = day_and_time(&proof.date);
     let facts = [
-        ("date", proof.date.as_str()),
+        ("date", date.as_str()),
         ("robot", proof.robot.as_str()),
         ("operator", proof.operator.as_str()),
         ("software", proof.software.as_str()),
@@ -40,7 +41,7 @@ pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
         sheet.heading(language.say("What held the robot, and resets"));
         for (at_s, words) in history.held.iter().take(HELD_MAX) {
             let words = match words.strip_prefix("held by: ") {
-                Some(cause) => language.begin(cause),
+                Some(cause) => language.cause(cause),
                 None => language.begin(words),
             };
             sheet.row(&[(0.0, &format!("{} s", number(*at_s, 1))), (90.0, &words)], false);

@@ -178,10 +178,10 @@ fn cleaning(history: &History) -> Option<Cleaning> {
     })
 }
 
-const CLEANED: &str = "cleaned";
-const ASSUMED: &str = "assumed clean";
+pub(super) const CLEANED: &str = "cleaned";
+pub(super) const ASSUMED: &str = "assumed clean";
 const UNSURE: &str = "not sure";
-const TO_DO: &str = "to do";
+pub(super) const TO_DO: &str = "to do";
 
 /// A cell of the mission's floor.
 #[derive(Clone, Debug, PartialEq)]
@@ -235,9 +235,24 @@ pub fn cells(history: &History) -> Vec<Cell> {
 #[must_use]
 pub fn made_now(robot_toml: Option<&str>) -> Vec<(&'static str, String)> {
     let date = Calendar::of_this_computer().iso(Calendar::now());
-    let mut rows = vec![("date", date), ("software", format!("floorguard {}", env!("CARGO_PKG_VERSION")))];
+    let mut rows = vec![
+        ("date", day_and_time(&date)),
+        ("software", format!("floorguard {}", env!("CARGO_PKG_VERSION"))),
+    ];
     rows.extend(robot_toml.map(|toml| ("robot", format!("configuration {}", digest(toml)))));
     rows
+}
+
+/// A moment of ISO 8601 for people: day, hour and minute, and how far the clock is from UTC. Anything else stays as it is.
+#[must_use]
+pub fn day_and_time(iso: &str) -> String {
+    let parts = || {
+        let (day, rest) = iso.split_once('T')?;
+        let (time, zone) = (rest.get(..5)?, rest.get(8..)?);
+        let zone = if zone == "+00:00" || zone == "Z" { "" } else { zone };
+        Some(format!("{day} {time} UTC{zone}"))
+    };
+    parts().unwrap_or_else(|| iso.to_owned())
 }
 
 /// The cells as comma-separated values with a line of names.
@@ -254,8 +269,9 @@ pub fn cells_csv(cells: &[Cell]) -> String {
 #[must_use]
 pub fn section(proof: &Proof) -> String {
     let mut html = String::new();
+    let date = day_and_time(&proof.date);
     let rows = [
-        ("date", proof.date.as_str()),
+        ("date", date.as_str()),
         ("robot", proof.robot.as_str()),
         ("operator", proof.operator.as_str()),
         ("software", proof.software.as_str()),
@@ -338,6 +354,13 @@ mod tests {
         history.grids.insert(topics::DIRT.to_owned(), both([-1, 0, 50, 90, 90], [-1, 0, 5, 2, 90]));
         history.texts.insert(MISSION.to_owned(), r#"{"delta":0.01,"tolerated_units":5}"#.to_owned());
         history
+    }
+
+    #[test]
+    fn dates_are_written_for_people() {
+        assert_eq!(day_and_time("2026-11-24T18:00:37+00:00"), "2026-11-24 18:00 UTC");
+        assert_eq!(day_and_time("2026-11-24T18:00:37+01:00"), "2026-11-24 18:00 UTC+01:00");
+        assert_eq!(day_and_time("on a Tuesday"), "on a Tuesday");
     }
 
     #[test]

@@ -12,7 +12,7 @@ padding:.4rem .8rem;flex:1 1 7.8rem;\
 box-sizing:border-box}.sum b{display:block;font-size:1.25rem}.sum .good{background:#dff0e0}\
 .sum .bad{background:#f9d9d5}table{border-collapse:collapse;width:100%;font-size:.92rem}td,th{padding:.25rem .5rem;\
 text-align:left;vertical-align:top;border-bottom:1px solid #d8dee5}.num{text-align:right;\
-font-variant-numeric:tabular-nums;white-space:nowrap}.wide{overflow-x:auto}.stop{display:flex;flex-wrap:wrap;gap:1rem;\
+font-variant-numeric:tabular-nums;white-space:nowrap}.wide{overflow-x:auto}.why{min-width:13rem}.stop{display:flex;flex-wrap:wrap;gap:1rem;\
 border-top:1px solid #d8dee5;padding:1rem 0;break-inside:avoid}.stop>div{flex:1 1 16rem}.stop svg{flex:0 1 300px;\
 max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem .8rem;margin:0}dt{color:#5b6770}\
 dd{margin:0;min-width:0}.facts{gap:.3rem 1rem;margin:1rem 0}.proof{margin:.5rem 0}\

@@ -8,7 +8,7 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::can::CanFrame;
 use floorguard_guard::Advice;
 use floorguard_robot::assembly::{
-    GuardCarriers, GuardTask, ScannerCarrier, new_perception, spawn_guard_ring,
+    GuardCarriers, GuardTask, ScannerCarrier, guard_for, new_perception, spawn_guard_ring,
 };
 use floorguard_robot::learning::LearningSetup;
 use floorguard_runtime::configuration::{BaseKind, RobotConfiguration, ScannerModel};
@@ -199,7 +199,7 @@ impl Stage<'_> {
             OrderEntry::Began(at) => {
                 self.advance(at);
                 self.shared
-                    .configure(self.run.robot.guard(), at)
+                    .configure(guard_for(self.run.robot, self.run.stages), at)
                     .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
             }
             OrderEntry::Latches(at, latches) => {

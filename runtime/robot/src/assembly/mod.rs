@@ -19,8 +19,8 @@ pub use legs::HostedLegs;
 pub use links::{Links, Missing, ScannerLink};
 pub use rings::{HostedShared, StopsAtEnd, run_rings};
 pub use spawn::{
-    GuardCarriers, HostedMotion, HostedPerception, ScannerCarrier, Stages, new_perception, new_shared,
-    new_shared_for, spawn_guard_ring, spawn_mission_ring, spawn_perception_ring,
+    GuardCarriers, HostedMotion, HostedPerception, ScannerCarrier, Stages, guard_for, new_perception,
+    new_shared, new_shared_for, spawn_guard_ring, spawn_mission_ring, spawn_perception_ring,
 };
 pub use stop_files::{black_box_log, write_stop_file};
 pub use tap::{Direction, Poll, Tap, TapRow, TapRows, Tapped, tap};

@@ -6,7 +6,7 @@ use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::wheel_drives::WheelDrives;
 use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
-use floorguard_guard::GuardConfigError;
+use floorguard_guard::{GuardConfig, GuardConfigError};
 use floorguard_localisation::odometry::{BaseModel, PoseHistory};
 use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
@@ -81,11 +81,17 @@ pub fn new_shared_for<M: RawMutex>(
     stages: Stages,
     now: Stamp,
 ) -> Result<Box<Shared<M>>, GuardConfigError> {
+    Ok(Box::new(Shared::new(guard_for(robot, stages), Motion::new(robot.wheels()), now)?))
+}
+
+/// What the guard of a computer is set up with: a run and its repetition must not differ in it.
+#[must_use]
+pub fn guard_for(robot: &RobotConfiguration, stages: Stages) -> GuardConfig {
     let mut guard = robot.guard();
     if stages == Stages::All {
         guard.thresholds.memory_firings = MEMORY_FIRINGS;
     }
-    Ok(Box::new(Shared::new(guard, Motion::new(robot.wheels()), now)?))
+    guard
 }
 
 /// Which stages run.

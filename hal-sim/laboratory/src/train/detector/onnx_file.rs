@@ -188,8 +188,9 @@ impl Graph {
         let sure = self.convolution(head, input, (CELL - 1..CELL, 1.0));
         let sure = self.node("Sigmoid", &[&sure], Vec::new());
         // The only class is sure: objectness by objectness of a layer without weights and with a great bias.
-        let class =
-            Convolution { weights: vec![0.0; head.weights.len()], bias: vec![30.0; CELL], ..head.clone() };
+        let mut class = head.clone();
+        class.weights.fill(0.0);
+        class.bias.fill(30.0);
         let class = self.convolution(&class, input, (0..1, 1.0));
         let class = self.node("Sigmoid", &[&class], Vec::new());
         let one = |name: &str, integer| Attribute {

@@ -6,7 +6,13 @@ let frame = null, floor = null, plan = null, role = "viewer", asking = false;
 const shown = {claimed: true, track: true, dirt: false};
 
 // The person or object that holds the robot, as one would say it beside the robot.
-function holderWords(holder) { return t(holder.what) + " (" + t(holder.direction) + ", " + number(holder.distance_m, 1) + " m)"; }
+function holderWords(holder) { return t(holder.what) + " (" + t(holder.direction) + ", " + number(holder.distance_m, 1) + "\u00a0m)"; }
+
+// What the guard says, piece by piece.
+function spokenPieces(pieces) {
+  const gap = piece => piece.number !== null ? number(piece.number, piece.digits) + "\u00a0" + piece.unit : piece.word ? t(piece.word) : piece.text ?? undefined;
+  return pieces.map(piece => t(piece.key, gap(piece))).join(", ");
+}
 
 function headlineOf(next) {
   const parts = next.headline_parts;
@@ -34,8 +40,7 @@ function show(next) {
   });
   list("stops", next.stops, stop => stop.at_s + stop.text, stop => {
     const line = element("li", "");
-    line.append(element("b", number(stop.at_s, 1) + " s "), t(stop.name), document.createElement("br"), element("small", stop.text));
-    line.lastChild.lang = "en";
+    line.append(element("b", number(stop.at_s, 1) + " s "), t(stop.name), document.createElement("br"), element("small", spokenPieces(stop.pieces.filter(piece => piece.key !== stop.name))));
     return line;
   });
   showMission(next);
@@ -57,11 +62,14 @@ function show(next) {
 }
 
 // Lists are rebuilt only when they say something else: what is under a finger or a reader stays there.
+const MAY_BE_EMPTY = ["stops", "old-alerts"];
 function list(id, items, key, make) {
   const keys = language + role + JSON.stringify(items.map(key));
   if ($(id).dataset.key === keys) return;
   $(id).dataset.key = keys;
-  $(id).replaceChildren(...items.map(make));
+  const lines = items.map(make);
+  if (!lines.length && MAY_BE_EMPTY.includes(id)) lines.push(element("li", t("none yet"), "small"));
+  $(id).replaceChildren(...lines);
 }
 
 // The headline changes with each picture; a screen reader hears it only when it tells of something else.
@@ -72,19 +80,17 @@ function showCause(next) {
   $("cause").className = !next.cause ? "clear" : next.limit_mps > 0 ? "" : "stop";
   const why = [];
   if (next.cause) why.push(element("p", t(next.cause.remedy)));
-  if (next.reset_refused) { const line = element("p", ""); line.append(element("b", t("reset refused") + ": "), next.reset_refused); line.lang = language; why.push(line); }
+  if (next.reset_refused) { const line = element("p", ""); line.append(element("b", t("reset refused") + ": "), spokenPieces(next.reset_refused_pieces)); why.push(line); }
   if (next.cause) {
     const more = element("details", "");
     more.open = !!$("why").querySelector("details[open]");
-    const full = element("small", next.cause.text);
-    full.lang = "en";
-    more.append(element("summary", t("Cause in full")), full);
+    more.append(element("summary", t("Cause in full")), element("small", spokenPieces(next.cause.pieces)));
     if (next.first_cause) more.append(document.createElement("br"), element("small", t("It stopped first for: {}", t(next.first_cause.name))));
     why.push(more);
   }
   const key = JSON.stringify([language, next.cause && next.cause.text.replace(/[\d.]+/g, ""), next.first_cause && next.first_cause.name, next.reset_refused]);
   if ($("why").dataset.key !== key) { $("why").dataset.key = key; $("why").replaceChildren(...why); }
-  const words = headline.replace(/,? ?[\d.,]+ m\b/g, "");
+  const words = headline.replace(/,? ?[\d.,]+\sm\b/g, "");
   if (words !== announced) { announced = words; $("live").textContent = headline + ". " + (next.cause ? t(next.cause.remedy) : ""); }
 }
 
