@@ -31,6 +31,7 @@ pub mod flexisoft;
 pub mod hesai;
 pub mod lidar;
 pub mod microscan3;
+pub mod ouster;
 pub mod s300;
 pub mod scan_motor;
 pub mod scip;

@@ -7,6 +7,7 @@ use floorguard_types::time::Stamp;
 use super::contract::LidarDecoder;
 use super::error::LidarError;
 use crate::hesai;
+use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
 /// One of the makers' decoders.
@@ -29,6 +30,8 @@ pub enum AnyDecoderOf<P: Profile> {
     Velodyne(velodyne::DecoderOf<P>),
     /// PandarXT-16 and XT-32.
     Hesai(hesai::DecoderOf<P>),
+    /// Ouster OS0, OS1 and OS2.
+    Ouster(ouster::DecoderOf<P>),
 }
 
 /// For the lidars of the target.
@@ -39,6 +42,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) => decoder.limit_lasers(lasers_max),
             Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Ouster(decoder) => decoder.limit_lasers(lasers_max),
         }
     }
 
@@ -51,6 +55,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
             Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Ouster(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
@@ -58,6 +63,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) => LidarDecoder::left_out_block(decoder),
             Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Ouster(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
@@ -65,6 +71,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) => LidarDecoder::known_closed_sector(decoder),
             Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Ouster(decoder) => LidarDecoder::known_closed_sector(decoder),
         }
     }
 }
