@@ -159,7 +159,9 @@ impl Beams {
         let per_packet = u16::from(self.columns_per_packet);
         if channels == 0 || channels > CHANNELS_MAX {
             Some("it has no beam, or more than 128")
-        } else if !is_turn || !(1..=24).contains(&per_packet) || !self.columns_per_turn.is_multiple_of(per_packet)
+        } else if !is_turn
+            || !(1..=24).contains(&per_packet)
+            || !self.columns_per_turn.is_multiple_of(per_packet)
         {
             Some("its columns do not make whole packets of at most 24, and a turn of 256 to 4,096")
         } else if usize::try_from(spread).unwrap_or(usize::MAX) >= SPREAD_MAX {

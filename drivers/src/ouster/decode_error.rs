@@ -29,7 +29,10 @@ impl core::fmt::Display for DecodeError {
         match self {
             Self::Packet(error) => write!(f, "{error}"),
             Self::Times { took_us } => {
-                write!(f, "the lidar's packet took {took_us} us; the motor turns too slowly, or its clock was set")
+                write!(
+                    f,
+                    "the lidar's packet took {took_us} us; the motor turns too slowly, or its clock was set"
+                )
             }
             Self::NothingMeasured => write!(f, "lidar packet without one measured column"),
             Self::NotNewer { frame, column } => {

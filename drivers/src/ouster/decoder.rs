@@ -213,7 +213,8 @@ impl<P: Profile> DecoderOf<P> {
         let turns = u64::from(frame.wrapping_sub(last.frame));
         let ahead = turns.saturating_mul(turn).saturating_add(u64::from(measurement));
         let behind = u64::from(last.frame.wrapping_sub(frame)).saturating_mul(turn);
-        let behind = behind.saturating_add(u64::from(last.measurement)).saturating_sub(u64::from(measurement));
+        let behind =
+            behind.saturating_add(u64::from(last.measurement)).saturating_sub(u64::from(measurement));
         let is_older = frame == last.frame && measurement <= last.measurement;
         if is_older || (turns > LOST_TURNS_MAX && behind <= turn / REORDER_TURN_SHARE) {
             return Err(DecodeError::NotNewer { frame, column: measurement });
@@ -229,12 +230,7 @@ impl<P: Profile> DecoderOf<P> {
     }
 
     /// Enters the returns, and takes out the columns that are complete. One column of the packet after the other.
-    fn convert(
-        &mut self,
-        packet: &Packet<'_>,
-        (begin, column_ns): (u64, u64),
-        out: &mut LidarPacketOf<P>,
-    ) {
+    fn convert(&mut self, packet: &Packet<'_>, (begin, column_ns): (u64, u64), out: &mut LidarPacketOf<P>) {
         out.columns.clear();
         let turn = u64::from(self.beams.columns_per_turn).max(1);
         for (number, column) in (0_u64..).zip(packet.columns()) {

@@ -80,7 +80,8 @@ fn turns_go_on_without_a_seam() {
         let outcome = decoder.decode(&bytes, arrival).unwrap();
         assert_eq!(outcome.1, 0, "packet {number}");
         for column in &outcome.0.columns {
-            let turned = before.map_or(35, |before| (36_000 + u32::from(column.azimuth_cdeg) - before) % 36_000);
+            let turned =
+                before.map_or(35, |before| (36_000 + u32::from(column.azimuth_cdeg) - before) % 36_000);
             assert!((35..=36).contains(&turned), "packet {number}: {turned} cdeg");
             before = Some(u32::from(column.azimuth_cdeg));
         }

@@ -96,7 +96,10 @@ impl core::fmt::Display for PacketError {
             ),
             Self::Type { found } => write!(f, "packet of type {found}; a lidar packet has 1"),
             Self::Columns { found, expected } => {
-                write!(f, "lidar column {found} stands where {expected} should; is the sensor's mode that of its metadata?")
+                write!(
+                    f,
+                    "lidar column {found} stands where {expected} should; is the sensor's mode that of its metadata?"
+                )
             }
         }
     }
@@ -165,9 +168,11 @@ impl<'a> Packet<'a> {
         let end = self.bytes.len().saturating_sub(behind);
         let columns = self.bytes.get(before..end).unwrap_or_default();
         let (format, channels) = (self.format, self.channels);
-        columns
-            .chunks_exact(format.column_bytes(channels).max(1))
-            .map(move |bytes| Column { bytes, format, channels })
+        columns.chunks_exact(format.column_bytes(channels).max(1)).map(move |bytes| Column {
+            bytes,
+            format,
+            channels,
+        })
     }
 }
 

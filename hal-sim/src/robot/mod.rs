@@ -7,6 +7,9 @@ mod rolling;
 mod velocity_base;
 
 pub use brush_deck::{BrushDeck, BrushPass};
-pub use parameters::{BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train};
+pub use parameters::{
+    BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
+    Train,
+};
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

@@ -56,6 +56,40 @@ pub enum LidarDevice {
     Vlp16,
     /// PandarXT-16: a firing of sixteen lasers each 50 µs.
     PandarXt16,
+    /// PandarXT-32: thirty-two lasers.
+    PandarXt32,
+    /// An Ouster.
+    Ouster(OusterDevice),
+}
+
+/// How an Ouster packs its pixels (book, Ouster: Lidar packet).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OusterFormat {
+    /// `LEGACY`.
+    Legacy,
+    /// `RNG19_RFL8_SIG16_NIR16`.
+    Single,
+    /// `RNG19_RFL8_SIG16_NIR16_DUAL`.
+    Dual,
+    /// `RNG15_RFL8_NIR8`.
+    LowRate,
+}
+
+/// What an Ouster is: angles in thousandths of a degree, one of each a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OusterDevice {
+    /// Its packets.
+    pub format: OusterFormat,
+    /// Columns of a turn.
+    pub columns_per_turn: u16,
+    /// Columns of a packet.
+    pub columns_per_packet: u8,
+    /// Elevations.
+    pub altitude_mdeg: &'static [i32],
+    /// Azimuths from that of the column, clockwise.
+    pub azimuth_mdeg: &'static [i32],
+    /// From the axis to where the beams leave, micrometres.
+    pub beam_origin_um: u32,
 }
 
 /// Which safety scanner it carries.

@@ -5,6 +5,7 @@ mod floor_camera_sensor;
 mod imu;
 mod lidar;
 mod lidar_sensor;
+mod ouster;
 mod pandar;
 mod scanner;
 mod view;
@@ -14,6 +15,7 @@ pub use floor_camera_sensor::{FloorCameraMounting, FloorCameraSensor, FloorFrame
 pub use imu::{Imu, Motion};
 pub use lidar::{LIDAR_PACKET_NS, Lidar};
 pub use lidar_sensor::LidarSensor;
-pub use pandar::PandarXt16;
+pub use ouster::Ouster;
+pub use pandar::Pandar;
 pub use scanner::{Scanner, ScannerState};
 pub use view::View;

@@ -1,9 +1,10 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, Hesai; book, SICK S300; book, microScan3; book, Xsens MTi; book, Velocity link; book, SCIP 2.0).
+//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, Velocity link; book, SCIP 2.0).
 
 mod event;
 mod hesai;
 mod microscan3;
+mod ouster;
 mod s300;
 mod scip;
 mod velocity;
@@ -16,6 +17,7 @@ pub use microscan3::{
     BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
     encode_scan_message, scan_datagrams,
 };
+pub use ouster::OusterPacket;
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use scip::{scip_line, scip_number, scip_reply, scip_scan};
 pub use velocity::{HeardPermit, SentVelocity, TakenVelocity, motion_report};

@@ -2,8 +2,7 @@
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
-    ScannerConfiguration, ScannerModel,
+    CanConfiguration, ImuConfiguration, Mounting, OperatorButtons, ScannerConfiguration, ScannerModel,
 };
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
@@ -59,7 +58,7 @@ pub(super) fn read_source<T>(
 }
 
 /// The port to bind, and the only device that is listened to there, if one is named.
-fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
+pub(super) fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
     let source = read_source(section, example, DatagramAddress::parse);
     let text =
         section.text_or_absent("sender", "192.168.1.201", "the sender that is understood first counts");
@@ -78,31 +77,6 @@ pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
     let device = read_source(section, "serial:/dev/ttyUSB0", parse_serial);
     let baud = section.integer("baud", 9_600..=4_000_000) as u32;
     Some(SerialAddress { device: device?, baud })
-}
-
-pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
-    let models = [
-        ("vlp16", LidarModel::Vlp16),
-        ("auto", LidarModel::Auto),
-        ("puck-hi-res", LidarModel::PuckHiRes),
-        ("vlp32c", LidarModel::Vlp32c),
-        ("hdl32e", LidarModel::Hdl32e),
-        ("pandar-xt16", LidarModel::PandarXt16),
-    ];
-    let model = section.choice("model", &models);
-    if let Some(LidarModel::Vlp32c | LidarModel::Hdl32e) = model {
-        section.refuse(
-            section.span(),
-            "[lidar]: `model` has 32 rings: the guard takes 32, but people, motion, legs beside them, and learning take \
-             16, so that nobody would be seen where he is",
-            "mount a VLP-16 (`vlp16`) or a Puck Hi-Res (`puck-hi-res`); captures of this model can be read with \
-             floorguard decode",
-        );
-    }
-    let source = read_datagrams(&section, "udp:0.0.0.0:2368");
-    let mounting = read_mounting(section.section("mounting"));
-    section.finish();
-    Some((LidarConfiguration { model: model?, mounting }, source?))
 }
 
 pub(super) fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAddress)> {

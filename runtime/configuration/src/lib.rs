@@ -13,6 +13,7 @@ mod devices;
 mod fields;
 mod fleet;
 mod learning;
+mod lidar;
 mod mission;
 mod navigation;
 mod panel;
@@ -36,6 +37,7 @@ pub use coverage::{
 };
 pub use fleet::FleetConfiguration;
 pub use learning::LearningConfiguration;
+pub use lidar::{ouster_example, ouster_format, ouster_keys};
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};

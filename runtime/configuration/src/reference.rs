@@ -31,6 +31,9 @@ warning_m = [[-0.80, -0.80], [1.90, -0.80], [1.90, 0.80], [-0.80, 0.80]]
 const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
 const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
 
+/// The lidar of the example robot.
+const LIDAR: &str = "model = \"vlp16\"\n";
+
 /// The robot that a program outside drives; it has no route of its own.
 const COMMANDED: &str = "[command]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 230400\n";
 
@@ -82,7 +85,8 @@ pub fn reference() -> String {
     let others = others.into_iter().chain(rows_of(&[driven, COMMANDED].concat()));
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
-    let others = others.chain(based).chain(wheeled);
+    let ouster = super::ouster_keys(&super::ouster_example());
+    let others = others.chain(based).chain(wheeled).chain(rows_of(&super::EXAMPLE.replace(LIDAR, &ouster)));
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
@@ -144,7 +148,9 @@ are on the CAN bus, and `[can]` names those that this base has: `drive_node`, `s
 (`steering_max_deg` is its alone), a drive on each wheel of a differential or omnidirectional base. Those have no `wheelbase_m` where they
 have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
 `[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
-the first sender that comes. Fields follow from
+the first sender that comes. In `[lidar]`, `profile`, `columns_per_turn`, `columns_per_packet` and the keys that begin with `beam_` are an
+Ouster's: `floorguard lidar-metadata FILE.json` writes them from the metadata that the sensor serves
+([Devices](devices.md#ouster-os0-os1-os2)). Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a

@@ -5,7 +5,8 @@ use floorguard_runtime::configuration::{ImuConfiguration, LidarConfiguration, Sc
 use super::actuated_lidar::{ActuatedLidarConfiguration, check_motor_bus, read_actuated_lidar};
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::command::CommandAddress;
-use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_rear_scanner, read_scanner};
+use super::devices::{Addresses, check_addresses, read_imu, read_rear_scanner, read_scanner};
+use super::lidar::read_lidar;
 use super::reader::Reader;
 
 /// Scan planes whose heights differ by more are not one, metres.

@@ -9,7 +9,7 @@ use floorguard_guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
 use floorguard_localisation::odometry::{Ackermann, SideWheels, Tricycle, WheelGeometry};
-use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::capacities::{PACKET_RINGS_MAX, SWEEP_RINGS};
 use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};
@@ -161,7 +161,9 @@ impl RobotConfiguration {
     #[must_use]
     pub const fn lidar_model(&self) -> Option<Model> {
         match self.lidar.model {
-            LidarModel::Auto | LidarModel::PandarXt16 => None,
+            LidarModel::Auto | LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) => {
+                None
+            }
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),
@@ -172,6 +174,10 @@ impl RobotConfiguration {
     /// As many as the capacity: packets of a larger lidar are refused. A PandarXT-16 has the elevations of a VLP-16 (book, Hesai:
     /// Angles).
     fn elevations_rad(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
+        if let LidarModel::Ouster(beams) = self.lidar.model {
+            let rings = beams.rings(SWEEP_RINGS.min(PACKET_RINGS_MAX));
+            return rings.iter().map(|channel| beams.elevation_deg(*channel) * (PI / 180.0)).collect();
+        }
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();
         angles

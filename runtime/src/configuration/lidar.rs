@@ -1,9 +1,11 @@
 //! What the model of the lidar decides: its decoder, and where its rings look.
 
-use floorguard_drivers::hesai;
 use floorguard_drivers::lidar::AnyDecoder;
 use floorguard_drivers::velodyne::{self, ModelChoice};
+use floorguard_drivers::{hesai, ouster};
 use floorguard_perception::people::RingAngles;
+use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::units::radians;
 
 use super::robot::RobotConfiguration;
 use super::sources::LidarModel;
@@ -14,6 +16,12 @@ impl RobotConfiguration {
     pub fn lidar_decoder(&self) -> AnyDecoder {
         match self.lidar.model {
             LidarModel::PandarXt16 => AnyDecoder::Hesai(hesai::Decoder::new()),
+            LidarModel::PandarXt32 => AnyDecoder::Hesai(hesai::Decoder::new().every_second_of_32()),
+            LidarModel::Ouster(beams) => {
+                let mut decoder = ouster::Decoder::new(beams);
+                decoder.set_rings_max(SWEEP_RINGS);
+                AnyDecoder::Ouster(decoder)
+            }
             _ => {
                 let choice = self.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
                 AnyDecoder::Velodyne(velodyne::Decoder::new(choice))
@@ -26,8 +34,19 @@ impl RobotConfiguration {
     pub fn ring_angles(&self) -> RingAngles {
         match self.lidar.model {
             LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-            LidarModel::PandarXt16 => RingAngles::pandar_xt16(),
+            LidarModel::PandarXt16 | LidarModel::PandarXt32 => RingAngles::pandar_xt16(),
+            LidarModel::Ouster(beams) => ouster_angles(beams),
             _ => RingAngles::vlp16(),
         }
     }
+}
+
+/// Of the beams that are used.
+fn ouster_angles(beams: &ouster::Beams) -> RingAngles {
+    let mut angles = RingAngles::NONE;
+    for (ring, channel) in angles.rings.iter_mut().zip(&beams.rings(SWEEP_RINGS)) {
+        let (sin, cos) = libm::sincosf(radians(beams.elevation_deg(*channel)));
+        *ring = (sin, cos, beams.height_m(*channel));
+    }
+    angles
 }

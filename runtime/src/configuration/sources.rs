@@ -3,6 +3,7 @@
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
 use floorguard_drivers::flexisoft::InputMap;
+use floorguard_drivers::ouster::Beams;
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::units::radians;
 
@@ -43,6 +44,10 @@ pub enum LidarModel {
     Hdl32e,
     /// Hesai PandarXT-16.
     PandarXt16,
+    /// Hesai PandarXT-32, of which every second ring is used: those of a PandarXT-16.
+    PandarXt32,
+    /// Ouster OS0, OS1 or OS2, as its metadata say: hosted programs only. They live as long as the program.
+    Ouster(&'static Beams),
 }
 
 /// Three-dimensional lidar.

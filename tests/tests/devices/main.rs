@@ -7,6 +7,7 @@ mod sim_can;
 mod sim_hesai;
 mod sim_imu;
 mod sim_microscan3;
+mod sim_ouster;
 mod sim_s300;
 mod sim_support;
 mod sim_velodyne;

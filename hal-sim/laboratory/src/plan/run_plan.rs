@@ -243,13 +243,13 @@ impl Plan {
         Ok(self)
     }
 
-    /// With a PandarXT-16 in the place of the VLP-16.
+    /// With another lidar in the place of the VLP-16: the keys of `[lidar]` that say which, such as `model = "pandar-xt16"`.
     ///
     /// # Errors
     /// The example robot cannot carry it.
-    pub fn with_pandar_xt16(mut self) -> Result<Self, PlanError> {
-        let fitted = "[lidar]\nmodel = \"pandar-xt16\"\n";
-        self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", fitted);
+    pub fn with_lidar(mut self, keys: &str) -> Result<Self, PlanError> {
+        let fitted = format!("[lidar]\n{}\n", keys.trim_end());
+        self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", &fitted);
         self.robot.lidar = parse("robot.toml", &self.robot_toml)?.robot.lidar;
         Ok(self)
     }

@@ -1,10 +1,12 @@
 //! The simulated robot that a robot's file describes: its outline becomes a body, its sensors sit where they are mounted.
 
+use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_runtime::configuration::{
     DriveTrain, LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
 use floorguard_sim::robot::{
-    BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train,
+    BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
+    Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
@@ -24,6 +26,8 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     };
     let lidar_device = match robot.lidar.model {
         LidarModel::PandarXt16 => LidarDevice::PandarXt16,
+        LidarModel::PandarXt32 => LidarDevice::PandarXt32,
+        LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
         _ => LidarDevice::Vlp16,
     };
     let (train, wheelbase_m, track_m) = wheels(robot);
@@ -65,6 +69,24 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         return fitted;
     }
     with_body(fitted, &robot.geometry.footprint)
+}
+
+/// The sensor that metadata describe, as the simulator has it.
+fn ouster(beams: &'static Beams) -> OusterDevice {
+    let used = |angles: &'static [i32]| &angles[..usize::from(beams.channels).min(angles.len())];
+    OusterDevice {
+        format: match beams.format {
+            DataFormat::Legacy => OusterFormat::Legacy,
+            DataFormat::Single => OusterFormat::Single,
+            DataFormat::Dual => OusterFormat::Dual,
+            DataFormat::LowRate => OusterFormat::LowRate,
+        },
+        columns_per_turn: beams.columns_per_turn,
+        columns_per_packet: beams.columns_per_packet,
+        altitude_mdeg: used(&beams.altitude_mdeg),
+        azimuth_mdeg: used(&beams.azimuth_mdeg),
+        beam_origin_um: beams.beam_origin_um,
+    }
 }
 
 /// What the body rolls on, and between which points. A base that takes velocities and does not say how rolls as the example does.

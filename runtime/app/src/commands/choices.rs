@@ -1,6 +1,7 @@
 //! What can be chosen for a simulated robot.
 
 use clap::ValueEnum;
+use floorguard_configuration::{ouster_example, ouster_keys};
 
 /// Which safety scanner the simulated robot carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -20,6 +21,23 @@ pub enum FittedLidar {
     Vlp16,
     /// Hesai PandarXT-16.
     PandarXt16,
+    /// Hesai PandarXT-32.
+    PandarXt32,
+    /// Ouster, like an OS1 with 32 beams.
+    Ouster,
+}
+
+impl FittedLidar {
+    /// The keys of `[lidar]` that say so, where it is not the example's.
+    #[must_use]
+    pub fn keys(self) -> Option<String> {
+        match self {
+            Self::Vlp16 => None,
+            Self::PandarXt16 => Some("model = \"pandar-xt16\"".to_owned()),
+            Self::PandarXt32 => Some("model = \"pandar-xt32\"".to_owned()),
+            Self::Ouster => Some(ouster_keys(&ouster_example())),
+        }
+    }
 }
 
 /// Which local planner drives.

@@ -25,6 +25,7 @@ mod goto;
 mod heartbeat;
 mod interrupt;
 mod learn;
+mod lidar_metadata;
 mod live;
 mod live_camera;
 mod live_outputs;
@@ -67,6 +68,7 @@ pub use explain::ExplainArguments;
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
 pub use learn::{LearnArguments, PlaceArguments};
+pub use lidar_metadata::LidarMetadataArguments;
 pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -111,6 +113,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::LidarMetadata(arguments)) => lidar_metadata::run(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),

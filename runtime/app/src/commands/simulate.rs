@@ -247,8 +247,8 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if let Some(robot) = &arguments.robot {
         plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
     }
-    if arguments.lidar == FittedLidar::PandarXt16 {
-        plan = plan.with_pandar_xt16()?;
+    if let Some(keys) = arguments.lidar.keys() {
+        plan = plan.with_lidar(&keys)?;
     }
     if arguments.scanner == FittedScanner::Microscan3 {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
