@@ -32,6 +32,7 @@ pub mod hesai;
 pub mod lidar;
 pub mod microscan3;
 pub mod ouster;
+pub mod ranging;
 pub mod s300;
 pub mod scan_motor;
 pub mod scip;

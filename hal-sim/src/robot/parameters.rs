@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
+use crate::actuated::LidarModel;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +93,7 @@ pub struct OusterDevice {
     pub beam_origin_um: u32,
 }
 
-/// Which safety scanner it carries.
+/// Which scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
     /// S300: 541 beams over 270°.
@@ -100,6 +101,8 @@ pub enum ScannerDevice {
     S300,
     /// microScan3: so many beams over 275°.
     MicroScan3(u16),
+    /// A Hokuyo, which is no safety scanner.
+    Hokuyo(LidarModel),
 }
 
 /// What the body rolls on.

@@ -134,7 +134,7 @@ fn read_other<T>(
     address
 }
 
-fn read_lidar_source(section: &Reader<'_>) -> Option<ScipAddress> {
+pub(super) fn read_scip_source(section: &Reader<'_>) -> Option<ScipAddress> {
     let source = read_source(section, "serial:/dev/ttyACM0", parse_scip);
     let baud = section.integer_or("baud", 9_600..=4_000_000, 115_200) as u32;
     Some(match source? {
@@ -162,7 +162,7 @@ fn read_motor(section: &Reader<'_>) -> ScanMotorConfiguration {
 pub(super) fn read_actuated_lidar(section: Reader<'_>) -> Option<ActuatedLidarConfiguration> {
     let model =
         section.choice("model", &[("urg-04lx", ScipModel::Urg04lx), ("ust-10lx", ScipModel::Ust10lx)]);
-    let source = read_lidar_source(&section);
+    let source = read_scip_source(&section);
     let bus = "socketcan:can1";
     let motor_source =
         read_other(&section, ("motor_source", bus, section.text("motor_source", bus)), CanAddress::parse);

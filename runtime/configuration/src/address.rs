@@ -4,6 +4,10 @@ use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
+use floorguard_runtime::configuration::RangingModel;
+
+use super::actuated_lidar::ScipAddress;
+
 /// A UDP socket to bind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DatagramAddress {
@@ -56,13 +60,15 @@ pub struct SerialAddress {
     pub baud: u32,
 }
 
-/// What a safety scanner is connected to.
+/// What a scanner is connected to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScannerAddress {
     /// An S300's line.
     Serial(SerialAddress),
     /// The port to which a microScan3 sends.
     Datagrams(DatagramAddress),
+    /// The line or the connection of a scanner that must be asked.
+    Wire(ScipAddress, RangingModel),
 }
 
 /// A CAN bus.

@@ -22,6 +22,7 @@ mod problem;
 mod read;
 mod reader;
 mod reference;
+mod scanner;
 mod sensors;
 mod warnings;
 

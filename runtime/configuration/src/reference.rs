@@ -86,6 +86,9 @@ pub fn reference() -> String {
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
     let ouster = super::ouster_keys(&super::ouster_example());
+    let ranging =
+        "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = 0.3\n";
+    let others = others.chain(rows_of(&with_all.replace(LINE_SCANNER, ranging)));
     let others = others.chain(based).chain(wheeled).chain(rows_of(&super::EXAMPLE.replace(LIDAR, &ouster)));
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
@@ -158,7 +161,8 @@ person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map,
 scenario; `start_…` is where the robot is switched on, in the map's frame. With `[fleet]`, `run` waits for the orders of a fleet's
 master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
 `fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
+the lidar's; a Hokuyo is no safety device: its `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
+without `accept_uncertified_mps`, the greatest speed of any direction ([Ranging scanners](wire-formats/ranging.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.

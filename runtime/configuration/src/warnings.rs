@@ -3,7 +3,7 @@
 use core::f32::consts::FRAC_PI_2;
 
 use floorguard_drivers::flexisoft::InputBits;
-use floorguard_runtime::configuration::Mounting;
+use floorguard_runtime::configuration::{Mounting, ScannerModel};
 
 use super::read::HostedConfiguration;
 
@@ -17,6 +17,12 @@ impl HostedConfiguration {
         let mountings = sensors.into_iter().chain(imu);
         let mut warnings: Vec<String> =
             mountings.filter_map(|(name, mounting)| of_mounting(name, &mounting)).collect();
+        if let (ScannerModel::Ranging(model), Some(mps)) = (robot.scanner.model, self.uncertified_mps) {
+            warnings.push(format!(
+                "[scanner]: a {} is no safety device: nothing about it is certified, and what it does not see stops nobody; at most {mps} m/s",
+                model.name()
+            ));
+        }
         let inputs = &robot.can.inputs;
         let fitted =
             [("bumper_front_bits", Some(inputs.bumper_front)), ("bumper_rear_bits", inputs.bumper_rear)];

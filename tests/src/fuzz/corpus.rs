@@ -1,7 +1,10 @@
 //! Real messages of the simulated devices: what fuzzing begins with.
 
+use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_sim::can::CanFrame;
+use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
+use floorguard_sim::wire::OusterPacket;
 use floorguard_sim::{Payload, Simulation, Stream};
 
 /// Messages of each stream, as the simulated devices send them.
@@ -48,4 +51,28 @@ fn telegrams(bytes: &[u8]) -> Vec<Vec<u8>> {
     let header = &bytes[..10];
     let distance = (1..bytes.len()).find(|at| bytes[*at..].starts_with(header)).unwrap_or(bytes.len());
     bytes.chunks_exact(distance).map(<[u8]>::to_vec).collect()
+}
+
+/// An Ouster of 16 beams that look to either side, and one turn of it.
+#[must_use]
+pub fn ouster_turn() -> (Beams, Vec<Vec<u8>>) {
+    let mut beams = Beams { format: DataFormat::Dual, ..Beams::even(16, (15_000, -15_000)) };
+    for (azimuth, angle) in
+        beams.azimuth_mdeg.iter_mut().zip([4_230, 1_410, -1_410, -4_230].into_iter().cycle())
+    {
+        *azimuth = angle;
+    }
+    let packet = |first: u16| {
+        let mut packet = OusterPacket::new(OusterFormat::Dual, (16, 16), 7);
+        for column in 0..16_u16 {
+            let number = first + column;
+            packet.set_column(usize::from(column), 9_000_000_000 + u64::from(number) * 97_656, number);
+            for channel in 0..16 {
+                let range_mm = 1_000 + u32::from(number) * 3 + channel as u32 * 40;
+                packet.set_pixel((usize::from(column), channel), range_mm, 40);
+            }
+        }
+        packet.into_bytes()
+    };
+    (beams, (0..1_024).step_by(16).map(packet).collect())
 }

@@ -3,6 +3,7 @@
 
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
+use floorguard_drivers::ouster::{Beams, Decoder as Ouster};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velocity_link::{
@@ -35,6 +36,26 @@ pub fn velodyne(datagrams: &[Vec<u8>]) -> u64 {
     }
     let counted = decoder.counters();
     assert_eq!(u64::from(counted.accepted), accepted, "counted is what was delivered");
+    accepted
+}
+
+/// Datagrams of an Ouster, one after another. Whatever came before: the next right ones are understood.
+pub fn ouster(beams: &Beams, datagrams: &[Vec<u8>], right: &[Vec<u8>]) -> u64 {
+    let mut decoder = Ouster::new(beams);
+    let (mut accepted, mut now_us) = (0, 1_000_000);
+    for bytes in datagrams {
+        now_us += 1_563;
+        if let Ok((packet, _)) = decoder.decode(bytes, at(now_us)) {
+            accepted += 1;
+            assert!(packet.columns.iter().all(|column| column.azimuth_cdeg < 36_000));
+            assert!(packet.stamp <= at(now_us), "a packet from the future");
+        }
+    }
+    let understood = right.iter().filter(|bytes| {
+        now_us += 1_563;
+        decoder.decode(bytes, at(now_us)).is_ok()
+    });
+    assert!(understood.count() > 0 || right.is_empty(), "it did not find back into step");
     accepted
 }
 

@@ -5,6 +5,7 @@ mod lidar_senders;
 mod microscan3_scans;
 mod sim_can;
 mod sim_hesai;
+mod sim_hokuyo;
 mod sim_imu;
 mod sim_microscan3;
 mod sim_ouster;

@@ -2,8 +2,9 @@
 
 use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_runtime::configuration::{
-    DriveTrain, LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+    DriveTrain, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
+use floorguard_sim::actuated::LidarModel as ScipLidar;
 use floorguard_sim::robot::{
     BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
     Train,
@@ -23,6 +24,8 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     let scanner_device = match robot.scanner.model {
         ScannerModel::S300 => ScannerDevice::S300,
         ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
+        ScannerModel::Ranging(RangingModel::HokuyoUst) => ScannerDevice::Hokuyo(ScipLidar::Ust10lx),
+        ScannerModel::Ranging(RangingModel::HokuyoUrg04lx) => ScannerDevice::Hokuyo(ScipLidar::Urg04lx),
     };
     let lidar_device = match robot.lidar.model {
         LidarModel::PandarXt16 => LidarDevice::PandarXt16,

@@ -169,5 +169,6 @@ fn scanner(model: ScannerModel) -> String {
     match model {
         ScannerModel::S300 => "S300".to_owned(),
         ScannerModel::MicroScan3 { beams } => format!("microScan3 with {beams} beams"),
+        ScannerModel::Ranging(model) => format!("{}, no safety device", model.name()),
     }
 }

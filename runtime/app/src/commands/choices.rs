@@ -2,6 +2,8 @@
 
 use clap::ValueEnum;
 use floorguard_configuration::{ouster_example, ouster_keys};
+use floorguard_runtime::configuration::{RangingModel, ScannerModel};
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 /// Which safety scanner the simulated robot carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -11,6 +13,23 @@ pub enum FittedScanner {
     S300,
     /// SICK microScan3: 2,751 beams, UDP.
     Microscan3,
+    /// Hokuyo UST: 1,081 beams, no safety device, at most 0.3 m/s.
+    HokuyoUst,
+    /// Hokuyo URG-04LX: 682 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    HokuyoUrg04lx,
+}
+
+impl FittedScanner {
+    /// The model.
+    #[must_use]
+    pub const fn model(self) -> ScannerModel {
+        match self {
+            Self::S300 => ScannerModel::S300,
+            Self::Microscan3 => ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 },
+            Self::HokuyoUst => ScannerModel::Ranging(RangingModel::HokuyoUst),
+            Self::HokuyoUrg04lx => ScannerModel::Ranging(RangingModel::HokuyoUrg04lx),
+        }
+    }
 }
 
 /// Which lidar the simulated robot carries.

@@ -13,6 +13,7 @@ pub use live::{WindowLinks, watch_window};
 pub use session::Session;
 pub use watch::{WindowReport, WindowWatch};
 pub use window_map::{Refusals, Taken, WindowMap, WindowSetup};
+pub(crate) use wires::ScipWire;
 
 #[cfg(test)]
 mod live_tests;

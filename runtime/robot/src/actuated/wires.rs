@@ -1,4 +1,4 @@
-//! The lidar's wire: a serial line, or a TCP connection; both come back after they were lost.
+//! The wire of a scanner that must be asked: a serial line, or a TCP connection; both come back after they were lost.
 
 use std::io;
 
@@ -7,14 +7,14 @@ use floorguard_configuration::ScipAddress;
 use floorguard_host::carriers::{ReconnectingLine, ReconnectingStream};
 
 /// Either.
-pub(super) enum ScipWire {
+pub(crate) enum ScipWire {
     Line(ReconnectingLine),
     Stream(ReconnectingStream),
 }
 
 impl ScipWire {
     /// Opens it, and says why it cannot be used yet, if so.
-    pub(super) fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
+    pub(crate) fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
         match address {
             ScipAddress::Serial(address) => {
                 let (line, problem) = ReconnectingLine::new(address.device.clone(), address.baud);
