@@ -7,6 +7,7 @@ use floorguard_types::time::Stamp;
 use super::contract::LidarDecoder;
 use super::error::LidarError;
 use crate::hesai;
+use crate::lidar_link;
 use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
@@ -32,6 +33,8 @@ pub enum AnyDecoderOf<P: Profile> {
     Hesai(hesai::DecoderOf<P>),
     /// Ouster OS0, OS1 and OS2.
     Ouster(ouster::DecoderOf<P>),
+    /// Any lidar behind a bridge.
+    Bridged(lidar_link::DecoderOf<P>),
 }
 
 /// For the lidars of the target.
@@ -43,6 +46,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Velodyne(decoder) => decoder.limit_lasers(lasers_max),
             Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
             Self::Ouster(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Bridged(decoder) => decoder.limit_lasers(lasers_max),
         }
     }
 
@@ -56,6 +60,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Velodyne(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
             Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
             Self::Ouster(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Bridged(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
@@ -64,6 +69,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Velodyne(decoder) => LidarDecoder::left_out_block(decoder),
             Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
             Self::Ouster(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Bridged(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
@@ -72,6 +78,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Velodyne(decoder) => LidarDecoder::known_closed_sector(decoder),
             Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
             Self::Ouster(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Bridged(decoder) => LidarDecoder::known_closed_sector(decoder),
         }
     }
 }

@@ -6,6 +6,7 @@ use floorguard_types::time::Stamp;
 
 use super::error::LidarError;
 use crate::hesai;
+use crate::lidar_link;
 use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
@@ -96,6 +97,30 @@ impl<P: Profile> LidarDecoder<P> for ouster::DecoderOf<P> {
     }
 
     /// Columns that were not measured are left out, and counted.
+    fn left_out_block(&self) -> Option<LidarError> {
+        None
+    }
+
+    /// What is between two of its columns stays unknown without a name.
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
+}
+
+impl<P: Profile> LidarDecoder<P> for lidar_link::DecoderOf<P> {
+    /// It has as many rings as the robot's file names elevations for.
+    fn limit_lasers(&mut self, _: u8) {}
+
+    fn decode_datagram(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Bridged)
+    }
+
+    /// A datagram with an odd column is refused whole.
     fn left_out_block(&self) -> Option<LidarError> {
         None
     }

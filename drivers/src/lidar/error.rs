@@ -1,6 +1,6 @@
 //! Why a datagram gives no columns, for the lidars of all makers.
 
-use crate::{hesai, ouster, velodyne};
+use crate::{hesai, lidar_link, ouster, velodyne};
 
 /// A datagram that gives no columns, or not those of all its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,8 @@ pub enum LidarError {
     Hesai(hesai::DecodeError),
     /// Of an Ouster lidar.
     Ouster(ouster::DecodeError),
+    /// Of a bridge.
+    Bridged(lidar_link::DecodeError),
 }
 
 impl LidarError {
@@ -29,6 +31,7 @@ impl LidarError {
             (Self::Velodyne(one), Self::Velodyne(two)) => discriminant(one) == discriminant(two),
             (Self::Hesai(one), Self::Hesai(two)) => discriminant(one) == discriminant(two),
             (Self::Ouster(one), Self::Ouster(two)) => discriminant(one) == discriminant(two),
+            (Self::Bridged(one), Self::Bridged(two)) => discriminant(one) == discriminant(two),
             _ => false,
         }
     }
@@ -40,6 +43,7 @@ impl core::fmt::Display for LidarError {
             Self::Velodyne(error) => error.fmt(f),
             Self::Hesai(error) => error.fmt(f),
             Self::Ouster(error) => error.fmt(f),
+            Self::Bridged(error) => error.fmt(f),
         }
     }
 }

@@ -34,12 +34,20 @@ impl core::fmt::Display for DecodeError {
         match self {
             Self::Frame(error) => write!(f, "{error}"),
             Self::Rings { found, expected } => {
-                write!(f, "lidar datagram of {found} rings; `elevations_deg` of this robot's file has {expected}")
+                write!(
+                    f,
+                    "lidar datagram of {found} rings; `elevations_deg` of this robot's file has {expected}"
+                )
             }
             Self::Sender { found, expected } => {
-                write!(f, "lidar datagram of sender {found}; sender {expected} is listened to: end one of the two bridges")
+                write!(
+                    f,
+                    "lidar datagram of sender {found}; sender {expected} is listened to: end one of the two bridges"
+                )
             }
-            Self::NotNewer { sequence } => write!(f, "lidar datagram {sequence} is not newer than the one before"),
+            Self::NotNewer { sequence } => {
+                write!(f, "lidar datagram {sequence} is not newer than the one before")
+            }
         }
     }
 }

@@ -119,7 +119,7 @@ impl<P: Profile> DecoderOf<P> {
         out.rings = frame.rings();
         out.columns.clear();
         for column in frame.columns() {
-            let mut seen = LidarColumnOf {
+            let mut seen: LidarColumnOf<P> = LidarColumnOf {
                 azimuth_cdeg: column.azimuth_cdeg,
                 offset_us: u32::from(column.offset_us),
                 ..LidarColumnOf::SILENT
@@ -139,7 +139,9 @@ impl<P: Profile> DecoderOf<P> {
     }
 
     fn lost_before(&self, frame: &ColumnsFrame<'_>, arrival: Stamp) -> Result<u16, DecodeError> {
-        let Some(last) = self.last.filter(|last| last.arrival.past_us(arrival) < SILENCE_US) else { return Ok(0) };
+        let Some(last) = self.last.filter(|last| last.arrival.past_us(arrival) < SILENCE_US) else {
+            return Ok(0);
+        };
         if frame.sender() != last.sender {
             return Err(DecodeError::Sender { found: frame.sender(), expected: last.sender });
         }

@@ -71,7 +71,9 @@ impl core::fmt::Display for FrameError {
             Self::Checksum { found, computed } => {
                 write!(f, "checksum {found:08x}, the bytes come to {computed:08x}: damaged on the way")
             }
-            Self::Field { offset, found } => write!(f, "field at byte {offset} is {found}, outside of its range"),
+            Self::Field { offset, found } => {
+                write!(f, "field at byte {offset} is {found}, outside of its range")
+            }
             Self::Order { column, azimuth_cdeg } => write!(
                 f,
                 "column {column} at {azimuth_cdeg} cdeg does not follow the one before: columns run clockwise and in time"
@@ -105,7 +107,9 @@ impl<'a> ColumnsFrame<'a> {
         let byte = |offset: u8| bytes.get(usize::from(offset)).copied().unwrap_or(0);
         let (rings, columns) = (byte(20), byte(21));
         let limits = [(20, rings, RINGS_MAX), (21, columns, COLUMNS_MAX), (22, byte(22), UNIT_MM_MAX)];
-        if let Some((offset, found, _)) = limits.into_iter().find(|(_, found, most)| !(1..=*most).contains(found)) {
+        if let Some((offset, found, _)) =
+            limits.into_iter().find(|(_, found, most)| !(1..=*most).contains(found))
+        {
             return Err(FrameError::Field { offset, found });
         }
         let needed = usize::from(columns)
@@ -127,7 +131,9 @@ impl<'a> ColumnsFrame<'a> {
         for (column, next) in (0_u8..).zip(frame.columns()) {
             let azimuth_cdeg = next.azimuth_cdeg;
             let follows = before.is_none_or(|before| {
-                let turned = (u32::from(azimuth_cdeg) + 36_000).saturating_sub(u32::from(before.azimuth_cdeg)) % 36_000;
+                let turned = (u32::from(azimuth_cdeg) + 36_000)
+                    .saturating_sub(u32::from(before.azimuth_cdeg))
+                    % 36_000;
                 (1..18_000).contains(&turned) && next.offset_us >= before.offset_us
             });
             if azimuth_cdeg >= TURN_CDEG || !follows {

@@ -5,6 +5,7 @@ use floorguard_types::time::Stamp;
 
 use super::contract::{RangingEvent, RangingScanner};
 use super::hokuyo::HokuyoOf;
+use crate::cola::ColaOf;
 
 /// One of the makers' protocols.
 // One lives for the length of a run.
@@ -13,6 +14,8 @@ use super::hokuyo::HokuyoOf;
 pub enum AnyRangingScannerOf<P: Profile> {
     /// Hokuyo, SCIP 2.0.
     Hokuyo(HokuyoOf<P>),
+    /// SICK, CoLa A.
+    Cola(ColaOf<P>),
 }
 
 /// For the scanners of the target.
@@ -22,12 +25,14 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
     fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
         match self {
             Self::Hokuyo(scanner) => scanner.push(bytes, now, event),
+            Self::Cola(scanner) => scanner.push(bytes, now, event),
         }
     }
 
     fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
         match self {
             Self::Hokuyo(scanner) => scanner.poll(now, send, event),
+            Self::Cola(scanner) => scanner.poll(now, send, event),
         }
     }
 }

@@ -15,6 +15,8 @@ pub const UST_FULL: DeviceConfiguration = DeviceConfiguration {
     interval: 0,
     byte_us: 0.0,
     farthest_mm: 30_000,
+    no_return_codes: [65_533; 3],
+    no_return_mm: 0,
 };
 /// All of a URG-04LX: 240°, up to the 4 m that its maker warrants.
 pub const URG_04LX_FULL: DeviceConfiguration = DeviceConfiguration {
@@ -23,6 +25,8 @@ pub const URG_04LX_FULL: DeviceConfiguration = DeviceConfiguration {
     interval: 0,
     byte_us: 0.0,
     farthest_mm: 4_000,
+    no_return_codes: [0, 1, 2],
+    no_return_mm: 0,
 };
 
 /// One sensor.

@@ -34,6 +34,10 @@ pub struct DeviceConfiguration {
     pub byte_us: f32,
     /// What the sensor measures beyond this is not believed, millimetres.
     pub farthest_mm: u32,
+    /// Numbers by which the sensor says that nothing came back.
+    pub no_return_codes: [u32; 3],
+    /// So far there is nothing where nothing came back, as the robot's owner accepts, millimetres; 0: it is unknown.
+    pub no_return_mm: u16,
 }
 
 impl DeviceConfiguration {
@@ -44,6 +48,8 @@ impl DeviceConfiguration {
         interval: 0,
         byte_us: 0.0,
         farthest_mm: 4_000,
+        no_return_codes: [0, 1, 2],
+        no_return_mm: 0,
     };
     /// ±90° around the front of a UST-10LX: 721 steps, up to 10 m.
     pub const UST_10LX: Self = Self {
@@ -52,6 +58,8 @@ impl DeviceConfiguration {
         interval: 0,
         byte_us: 0.0,
         farthest_mm: 10_000,
+        no_return_codes: [65_533; 3],
+        no_return_mm: 0,
     };
 }
 
@@ -321,8 +329,10 @@ impl Session {
             parameters.angle_rad(raw.range.first_step) + 0.5 * (steps - 1.0) * parameters.step_rad();
         // As many as the raw scan has: never full.
         let _full = self.scan.beams.resize(raw.distances_mm.len(), BeamReturn::Unknown);
+        let DeviceConfiguration { no_return_codes, no_return_mm, .. } = self.configuration;
         for (beam, distance_mm) in self.scan.beams.iter_mut().zip(&raw.distances_mm) {
-            *beam = parameters.beam(*distance_mm);
+            let is_no_return = no_return_mm > 0 && no_return_codes.contains(distance_mm);
+            *beam = if is_no_return { BeamReturn::Free(no_return_mm) } else { parameters.beam(*distance_mm) };
         }
         true
     }

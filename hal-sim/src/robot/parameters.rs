@@ -4,6 +4,7 @@ use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
 use crate::actuated::LidarModel;
+use crate::sensors::SickModel;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +62,8 @@ pub enum LidarDevice {
     PandarXt32,
     /// An Ouster.
     Ouster(OusterDevice),
+    /// Any lidar of sixteen rings behind a bridge; elevations in thousandths of a degree, the lowest first.
+    Bridged(&'static [i32; 16]),
 }
 
 /// How an Ouster packs its pixels (book, Ouster: Lidar packet).
@@ -103,6 +106,8 @@ pub enum ScannerDevice {
     MicroScan3(u16),
     /// A Hokuyo, which is no safety scanner.
     Hokuyo(LidarModel),
+    /// A TiM or an LMS of SICK, which is none either.
+    Sick(SickModel),
 }
 
 /// What the body rolls on.

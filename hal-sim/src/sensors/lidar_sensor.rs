@@ -1,6 +1,6 @@
 //! Whichever lidar the robot carries.
 
-use super::{Lidar, Ouster, Pandar, View};
+use super::{BridgedLidar, Lidar, Ouster, Pandar, View};
 use crate::robot::LidarDevice;
 use crate::wire::ReturnMode;
 
@@ -13,6 +13,8 @@ pub enum LidarSensor {
     Pandar(Pandar),
     /// Ouster.
     Ouster(Ouster),
+    /// Any lidar behind a bridge.
+    Bridged(BridgedLidar),
 }
 
 impl LidarSensor {
@@ -24,6 +26,7 @@ impl LidarSensor {
             LidarDevice::PandarXt16 => Self::Pandar(Pandar::new(16, seed)),
             LidarDevice::PandarXt32 => Self::Pandar(Pandar::new(32, seed)),
             LidarDevice::Ouster(device) => Self::Ouster(Ouster::new(device, seed)),
+            LidarDevice::Bridged(elevations) => Self::Bridged(BridgedLidar::new(elevations, seed)),
         }
     }
 
@@ -33,6 +36,7 @@ impl LidarSensor {
             Self::Vlp16(lidar) => lidar.coarse(grain),
             Self::Pandar(lidar) => lidar.coarse(grain),
             Self::Ouster(lidar) => lidar.coarse(grain),
+            Self::Bridged(lidar) => lidar.coarse(grain),
         }
     }
 
@@ -43,6 +47,7 @@ impl LidarSensor {
             Self::Vlp16(lidar) => lidar.due_us(),
             Self::Pandar(lidar) => lidar.due_us(),
             Self::Ouster(lidar) => lidar.due_us(),
+            Self::Bridged(lidar) => lidar.due_us(),
         }
     }
 
@@ -52,6 +57,7 @@ impl LidarSensor {
             Self::Vlp16(lidar) => lidar.measure(view, step_us),
             Self::Pandar(lidar) => lidar.measure(view, step_us),
             Self::Ouster(lidar) => lidar.measure(view, step_us),
+            Self::Bridged(lidar) => lidar.measure(view, step_us),
         }
     }
 
@@ -60,7 +66,7 @@ impl LidarSensor {
     pub fn position_packet(&self, now_us: u64) -> Option<Vec<u8>> {
         match self {
             Self::Vlp16(lidar) => Some(lidar.position_packet(now_us)),
-            Self::Pandar(_) | Self::Ouster(_) => None,
+            Self::Pandar(_) | Self::Ouster(_) | Self::Bridged(_) => None,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The sensors: what they measure in the world and the bytes they send.
 
+mod bridged;
 mod depth_camera;
 mod floor_camera_sensor;
 mod imu;
@@ -8,8 +9,10 @@ mod lidar_sensor;
 mod ouster;
 mod pandar;
 mod scanner;
+mod sick;
 mod view;
 
+pub use bridged::BridgedLidar;
 pub use depth_camera::{DepthCamera, DepthPicture};
 pub use floor_camera_sensor::{FloorCameraMounting, FloorCameraSensor, FloorFrame};
 pub use imu::{Imu, Motion};
@@ -18,4 +21,5 @@ pub use lidar_sensor::LidarSensor;
 pub use ouster::Ouster;
 pub use pandar::Pandar;
 pub use scanner::{Scanner, ScannerState};
+pub use sick::{SickModel, SickScanner};
 pub use view::View;

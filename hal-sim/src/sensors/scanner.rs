@@ -5,7 +5,7 @@
 
 use floorguard_types::random::Pcg32;
 
-use super::View;
+use super::{SickScanner, View};
 use crate::actuated::ScanLidar;
 use crate::robot::ScannerDevice;
 use crate::wire::Stream;
@@ -57,6 +57,13 @@ struct Echo {
     is_reflector: bool,
 }
 
+/// One that must be asked.
+#[derive(Clone, Debug)]
+enum AskedScanner {
+    Hokuyo(ScanLidar),
+    Sick(SickScanner),
+}
+
 /// The scanner.
 #[derive(Clone, Debug)]
 pub struct Scanner {
@@ -65,7 +72,7 @@ pub struct Scanner {
     next_beam: usize,
     cycle_start_us: u64,
     /// One that must be asked, and when it measures next.
-    asked: Option<(ScanLidar, u64)>,
+    asked: Option<(AskedScanner, u64)>,
     scan: u32,
     /// What it is doing.
     pub state: ScannerState,
@@ -98,14 +105,17 @@ impl Scanner {
         let beams = match device {
             ScannerDevice::S300 => 541,
             ScannerDevice::MicroScan3(beams) => usize::from(beams.max(2)),
-            ScannerDevice::Hokuyo(_) => 0,
+            ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => 0,
         };
+        let own = |random: &mut Pcg32| u64::from(random.below(u32::MAX));
         let asked = match device {
             ScannerDevice::Hokuyo(model) => {
-                Some((ScanLidar::new(model, u64::from(random.below(u32::MAX))), ASKED_US))
+                Some(AskedScanner::Hokuyo(ScanLidar::new(model, own(&mut random))))
             }
+            ScannerDevice::Sick(model) => Some(AskedScanner::Sick(SickScanner::new(model, own(&mut random)))),
             ScannerDevice::S300 | ScannerDevice::MicroScan3(_) => None,
         };
+        let asked = asked.map(|scanner| (scanner, ASKED_US));
         Self {
             device,
             echoes: vec![None; beams],
@@ -122,7 +132,7 @@ impl Scanner {
     #[must_use]
     pub const fn stream(&self) -> Stream {
         match self.device {
-            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) => Stream::ScannerSerial,
+            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => Stream::ScannerSerial,
             ScannerDevice::MicroScan3(_) => Stream::ScannerData,
         }
     }
@@ -188,14 +198,16 @@ impl Scanner {
         self.scan = self.scan.wrapping_add(1);
         match self.device {
             ScannerDevice::MicroScan3(_) => self.message(now_us),
-            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) => self.telegram(now_us),
+            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => self.telegram(now_us),
         }
     }
 
     /// What the robot's computer has written.
     pub fn receive(&mut self, bytes: &[u8], now_us: u64) {
-        if let Some((scanner, _)) = &mut self.asked {
-            scanner.receive(bytes, now_us);
+        match &mut self.asked {
+            Some((AskedScanner::Hokuyo(scanner), _)) => scanner.receive(bytes, now_us),
+            Some((AskedScanner::Sick(scanner), _)) => scanner.receive(bytes, now_us),
+            None => {}
         }
     }
 
@@ -249,13 +261,13 @@ impl Scanner {
 
 /// What a scanner that must be asked has measured up to now. One that does not measure sees nothing: all its beams are errors.
 fn measure_asked(
-    scanner: &mut ScanLidar,
+    scanner: &mut AskedScanner,
     state: ScannerState,
     view: &View<'_>,
     (now_us, step_us): (u64, u64),
 ) -> Vec<(u64, Vec<u8>)> {
     let mut candidates = Vec::new();
-    scanner.measure(now_us, |at_us, angle_rad| {
+    let range_m = |at_us: f64, angle_rad: f64| {
         if state != ScannerState::Measuring {
             return None;
         }
@@ -263,5 +275,9 @@ fn measure_asked(
         let bearing = sensor.heading_rad + angle_rad as f32;
         view.candidates(bearing, &mut candidates);
         view.cast(sensor, (bearing, LEVEL), &candidates, RANGE_MAX_M).map(|hit| hit.range_m)
-    })
+    };
+    match scanner {
+        AskedScanner::Hokuyo(scanner) => scanner.measure(now_us, range_m),
+        AskedScanner::Sick(scanner) => scanner.measure(now_us, range_m),
+    }
 }

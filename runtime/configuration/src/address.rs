@@ -4,7 +4,7 @@ use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
-use floorguard_runtime::configuration::RangingModel;
+use floorguard_runtime::configuration::RangingScanner;
 
 use super::actuated_lidar::ScipAddress;
 
@@ -68,7 +68,7 @@ pub enum ScannerAddress {
     /// The port to which a microScan3 sends.
     Datagrams(DatagramAddress),
     /// The line or the connection of a scanner that must be asked.
-    Wire(ScipAddress, RangingModel),
+    Wire(ScipAddress, RangingScanner),
 }
 
 /// A CAN bus.

@@ -74,7 +74,7 @@ pub fn bake(robot: &RobotConfiguration) -> String {
 /// A board decodes the lidars of the Velodyne family.
 fn lidar_model(model: LidarModel) -> String {
     match model {
-        LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) => {
+        LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_) => {
             "compile_error!(\"[lidar]: a microcontroller decodes lidars of the Velodyne family alone\")"
                 .to_owned()
         }

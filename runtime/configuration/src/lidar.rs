@@ -23,6 +23,7 @@ const FORMATS: [(&str, DataFormat); 4] = [
 enum Chosen {
     Plain(LidarModel),
     Ouster,
+    Bridged,
 }
 
 pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
@@ -35,10 +36,12 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("pandar-xt16", Chosen::Plain(LidarModel::PandarXt16)),
         ("pandar-xt32", Chosen::Plain(LidarModel::PandarXt32)),
         ("ouster", Chosen::Ouster),
+        ("columns", Chosen::Bridged),
     ];
     let model = match section.choice("model", &models) {
         Some(Chosen::Plain(model)) => Some(model),
         Some(Chosen::Ouster) => read_ouster(&section).map(LidarModel::Ouster),
+        Some(Chosen::Bridged) => read_elevations(&section).map(LidarModel::Bridged),
         None => None,
     };
     if let Some(LidarModel::Vlp32c | LidarModel::Hdl32e) = model {
@@ -97,6 +100,32 @@ fn read_ouster(section: &Reader<'_>) -> Option<&'static Beams> {
     Some(Box::leak(Box::new(beams)))
 }
 
+/// Elevations of the rings of a lidar behind a bridge.
+fn read_elevations(section: &Reader<'_>) -> Option<&'static [i32; SWEEP_RINGS]> {
+    let (degrees, span) = section.angles("elevations_deg")?;
+    let mdeg: Vec<i32> = degrees.iter().map(|degrees| (degrees * 1_000.0).round() as i32).collect();
+    let rises = mdeg.windows(2).all(|pair| pair[0] < pair[1]) && mdeg.iter().all(|mdeg| mdeg.abs() < 89_000);
+    let Ok(elevations) = <[i32; SWEEP_RINGS]>::try_from(mdeg.as_slice()) else {
+        let what = format!("[lidar]: `elevations_deg` has {} angles, allowed are {SWEEP_RINGS}", mdeg.len());
+        section.refuse(
+            &span,
+            what,
+            "let the bridge send those 16 rings that are nearest to -15°, -13° … 15°",
+        );
+        return None;
+    };
+    if !rises {
+        section.refuse(
+            &span,
+            "[lidar]: `elevations_deg` does not rise",
+            "write the lowest ring first, below 89°",
+        );
+        return None;
+    }
+    // A robot has one lidar, and it lives as long as the program.
+    Some(Box::leak(Box::new(elevations)))
+}
+
 /// Angles of the beams in thousandths of a degree: as many as the stages have rings, or more.
 fn read_angles(section: &Reader<'_>, key: &'static str) -> Option<Vec<i32>> {
     let (degrees, span) = section.angles(key)?;
@@ -137,6 +166,14 @@ pub fn ouster_keys(beams: &Beams) -> String {
 #[must_use]
 pub fn ouster_format(profile: &str) -> Option<DataFormat> {
     FORMATS.iter().find(|(name, _)| *name == profile).map(|(_, format)| *format)
+}
+
+/// The keys of `[lidar]` for a lidar of the elevations of a VLP-16 behind a bridge: for examples and simulated robots.
+#[must_use]
+pub fn bridged_keys() -> String {
+    let elevations: Vec<String> =
+        (0..16).map(|ring| format!("{:.1}", -15.0 + 2.0 * f64::from(ring))).collect();
+    format!("model = \"columns\"\nelevations_deg = [{}]\n", elevations.join(", "))
 }
 
 /// A sensor like an OS1 with 32 beams, for examples and simulated robots.
@@ -185,6 +222,25 @@ mod tests {
                     "the people and the guard see the same rings"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn bridged_lidars_name_their_elevations() {
+        let keys = bridged_keys();
+        let robot =
+            parse("robot.toml", &with_ouster(&keys)).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        for (ring, elevation) in robot.ring_angles().rings.iter().zip(&robot.guard().lidar.elevations_rad) {
+            assert!((ring.0 - elevation.sin()).abs() < 1.0e-6);
+        }
+        for (from, to, words) in [
+            ("-15.0, ", "", "has 15 angles"),
+            ("-15.0, -13.0", "-13.0, -15.0", "does not rise"),
+            ("elevations_deg", "elevation_deg", "elevations_deg"),
+        ] {
+            let refused =
+                parse("robot.toml", &with_ouster(&keys.replace(from, to))).expect_err("refused").to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
         }
     }
 

@@ -86,10 +86,10 @@ pub fn reference() -> String {
     let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
     let ouster = super::ouster_keys(&super::ouster_example());
-    let ranging =
-        "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = 0.3\n";
+    let ranging = "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = 0.3\naccept_no_return_m = 4.0\n";
     let others = others.chain(rows_of(&with_all.replace(LINE_SCANNER, ranging)));
     let others = others.chain(based).chain(wheeled).chain(rows_of(&super::EXAMPLE.replace(LIDAR, &ouster)));
+    let others = others.chain(rows_of(&super::EXAMPLE.replace(LIDAR, &super::bridged_keys())));
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
@@ -153,7 +153,8 @@ have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `
 `[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
 the first sender that comes. In `[lidar]`, `profile`, `columns_per_turn`, `columns_per_packet` and the keys that begin with `beam_` are an
 Ouster's: `floorguard lidar-metadata FILE.json` writes them from the metadata that the sensor serves
-([Devices](devices.md#ouster-os0-os1-os2)). Fields follow from
+([Devices](devices.md#lidar-ouster-os0-os1-os2)). With `model = \"columns\"` a bridge sends the columns of any lidar of 16 rings, whose elevations
+`elevations_deg` names ([Lidar link](wire-formats/lidar-link.md)). Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
@@ -161,8 +162,9 @@ person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map,
 scenario; `start_…` is where the robot is switched on, in the map's frame. With `[fleet]`, `run` waits for the orders of a fleet's
 master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
 `fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's; a Hokuyo is no safety device: its `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
-without `accept_uncertified_mps`, the greatest speed of any direction ([Ranging scanners](wire-formats/ranging.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
+the lidar's; a Hokuyo, a TiM and an LMS are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
+without `accept_uncertified_mps`, the greatest speed of any direction; with `accept_no_return_m` a beam from which nothing comes back is
+free up to so far, without it unknown ([Ranging scanners](wire-formats/ranging.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.

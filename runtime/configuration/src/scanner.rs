@@ -2,7 +2,9 @@
 
 use core::ops::RangeInclusive;
 
-use floorguard_runtime::configuration::{Mounting, RangingModel, ScannerConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{
+    Mounting, RangingModel, RangingScanner, ScannerConfiguration, ScannerModel,
+};
 use floorguard_types::units::radians;
 
 use super::actuated_lidar::read_scip_source;
@@ -15,8 +17,15 @@ use super::reader::Reader;
 const MICROSCAN3_BEAMS: u16 = 2_751;
 /// Bit rates of an S300 with which its scans come before the guard takes it for late (book, SICK S300: Line).
 const S300_BAUDS: [u32; 4] = [115_200, 125_000, 250_000, 500_000];
+/// How far an owner may take nothing for free, metres.
+const ACCEPTED_M: RangeInclusive<f32> = 0.5..=10.0;
 /// Speeds at which a scanner that is no safety device can be accepted, m/s: a touch at the greatest one is what a bumper makes harmless.
 const ACCEPTED_MPS: RangeInclusive<f32> = 0.05..=0.5;
+
+/// The model, of which nothing is accepted.
+const fn alone(model: RangingModel) -> RangingScanner {
+    RangingScanner { model, no_return_mm: 0 }
+}
 
 /// The scanner that the guard looks through, where it is, and how fast the robot may be where it is no safety device.
 pub(super) struct ReadScanner {
@@ -39,12 +48,12 @@ fn read_accepted(section: &Reader<'_>, model: Option<ScannerModel>) -> Option<f3
     let accepted_mps =
         section.number_or_absent("accept_uncertified_mps", ACCEPTED_MPS, "with a ranging scanner, refused");
     match (model, accepted_mps) {
-        (Some(ScannerModel::Ranging(model)), None) if section.good_so_far() => section.refuse_to_drive(
+        (Some(ScannerModel::Ranging(ranging)), None) if section.good_so_far() => section.refuse_to_drive(
             section.span(),
             format!(
                 "[scanner]: a {} is no safety device: no output of it is certified, nothing watches its window, and no return is \
                  warranted, not even that of a leg in black",
-                model.name()
+                ranging.model.name()
             ),
             "mount a safety scanner, or write accept_uncertified_mps = 0.3: no faster than that is the robot then, and who is met at \
              that speed must not be hurt",
@@ -93,8 +102,10 @@ fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<Sc
     let models = [
         ("s300", ScannerModel::S300),
         ("microscan3", finest),
-        ("hokuyo-ust", ScannerModel::Ranging(RangingModel::HokuyoUst)),
-        ("hokuyo-urg-04lx", ScannerModel::Ranging(RangingModel::HokuyoUrg04lx)),
+        ("hokuyo-ust", ScannerModel::Ranging(alone(RangingModel::HokuyoUst))),
+        ("hokuyo-urg-04lx", ScannerModel::Ranging(alone(RangingModel::HokuyoUrg04lx))),
+        ("sick-tim5xx", ScannerModel::Ranging(alone(RangingModel::SickTim5xx))),
+        ("sick-lms1xx", ScannerModel::Ranging(alone(RangingModel::SickLms1xx))),
     ];
     let model = section.choice("model", &models);
     let beams =
@@ -106,6 +117,10 @@ fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<Sc
     }
     if let Some(ScannerModel::Ranging(ranging)) = model {
         let source = read_scip_source(section);
+        let accepted_m = section.number_or_absent("accept_no_return_m", ACCEPTED_M, "no return is unknown");
+        let ranging =
+            RangingScanner { no_return_mm: accepted_m.map_or(0, |m| (m * 1_000.0) as u16), ..ranging };
+        let model = Some(ScannerModel::Ranging(ranging));
         return (model, source.map(|source| ScannerAddress::Wire(source, ranging)));
     }
     if let Some(sender) = section.find("sender") {

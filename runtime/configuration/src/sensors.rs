@@ -49,8 +49,8 @@ impl Sensors {
     /// The limits of a robot whose scanner may be slower than a safety scanner: it reacts so much later.
     pub(super) fn slowed(&self, limits: Limits) -> Limits {
         let model = self.scanner.as_ref().map(|read| read.scanner.model);
-        let Some(ScannerModel::Ranging(model)) = model else { return limits };
-        Limits { response_s: limits.response_s + model.later_s(), ..limits }
+        let Some(ScannerModel::Ranging(ranging)) = model else { return limits };
+        Limits { response_s: limits.response_s + ranging.model.later_s(), ..limits }
     }
 
     /// What two devices cannot share, and what two scanners must.

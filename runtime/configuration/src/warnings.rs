@@ -17,11 +17,18 @@ impl HostedConfiguration {
         let mountings = sensors.into_iter().chain(imu);
         let mut warnings: Vec<String> =
             mountings.filter_map(|(name, mounting)| of_mounting(name, &mounting)).collect();
-        if let (ScannerModel::Ranging(model), Some(mps)) = (robot.scanner.model, self.uncertified_mps) {
+        if let (ScannerModel::Ranging(ranging), Some(mps)) = (robot.scanner.model, self.uncertified_mps) {
             warnings.push(format!(
                 "[scanner]: a {} is no safety device: nothing about it is certified, and what it does not see stops nobody; at most {mps} m/s",
-                model.name()
+                ranging.model.name()
             ));
+            if ranging.no_return_mm > 0 {
+                warnings.push(format!(
+                    "[scanner]: where nothing comes back there is nothing up to {} m, as `accept_no_return_m` says: black clothes, black \
+                     glass and a dirty window give nothing back either",
+                    f32::from(ranging.no_return_mm) * 1.0e-3
+                ));
+            }
         }
         let inputs = &robot.can.inputs;
         let fitted =

@@ -161,9 +161,11 @@ impl RobotConfiguration {
     #[must_use]
     pub const fn lidar_model(&self) -> Option<Model> {
         match self.lidar.model {
-            LidarModel::Auto | LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) => {
-                None
-            }
+            LidarModel::Auto
+            | LidarModel::PandarXt16
+            | LidarModel::PandarXt32
+            | LidarModel::Ouster(_)
+            | LidarModel::Bridged(_) => None,
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),
@@ -177,6 +179,9 @@ impl RobotConfiguration {
         if let LidarModel::Ouster(beams) = self.lidar.model {
             let rings = beams.rings(SWEEP_RINGS.min(PACKET_RINGS_MAX));
             return rings.iter().map(|channel| beams.elevation_deg(*channel) * (PI / 180.0)).collect();
+        }
+        if let LidarModel::Bridged(elevations) = self.lidar.model {
+            return elevations.iter().map(|mdeg| *mdeg as f32 * (1.0e-3 * PI / 180.0)).collect();
         }
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();

@@ -2,9 +2,10 @@
 
 use floorguard_drivers::lidar::AnyDecoder;
 use floorguard_drivers::velodyne::{self, ModelChoice};
-use floorguard_drivers::{hesai, ouster};
+use floorguard_drivers::{hesai, lidar_link, ouster};
 use floorguard_perception::people::RingAngles;
 use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::number::truncating_u8;
 use floorguard_types::units::radians;
 
 use super::robot::RobotConfiguration;
@@ -22,6 +23,9 @@ impl RobotConfiguration {
                 decoder.set_rings_max(SWEEP_RINGS);
                 AnyDecoder::Ouster(decoder)
             }
+            LidarModel::Bridged(elevations) => {
+                AnyDecoder::Bridged(lidar_link::Decoder::new(truncating_u8(elevations.len())))
+            }
             _ => {
                 let choice = self.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
                 AnyDecoder::Velodyne(velodyne::Decoder::new(choice))
@@ -36,6 +40,10 @@ impl RobotConfiguration {
             LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
             LidarModel::PandarXt16 | LidarModel::PandarXt32 => RingAngles::pandar_xt16(),
             LidarModel::Ouster(beams) => ouster_angles(beams),
+            LidarModel::Bridged(elevations) => {
+                let ring = |mdeg: i32| libm::sincosf(radians(mdeg as f32 * 1.0e-3));
+                RingAngles { rings: elevations.map(ring).map(|(sin, cos)| (sin, cos, 0.0)) }
+            }
             _ => RingAngles::vlp16(),
         }
     }

@@ -9,7 +9,7 @@ mod robot;
 mod sources;
 
 pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
-pub use ranging::{RangingGeometry, RangingModel};
+pub use ranging::{RangingGeometry, RangingModel, RangingScanner};
 pub use robot::{BaseKind, Deadlines, DriveTrain, Geometry, Limits, RobotConfiguration};
 pub use sources::{
     CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,

@@ -1,6 +1,8 @@
 //! Scanners that are no safety devices: what each model measures, and its driver.
 
+use floorguard_drivers::cola::{Cola, ColaConfiguration, LMS1XX, TIM5XX};
 use floorguard_drivers::ranging::{AnyRangingScanner, Hokuyo, URG_04LX_FULL, UST_FULL};
+use floorguard_drivers::scip::DeviceConfiguration;
 
 /// The guard counts on so many scans until it stops: two that must agree, one that is not in step, one that may be lost.
 const COUNTED_SCANS: f32 = 4.0;
@@ -14,6 +16,39 @@ pub enum RangingModel {
     HokuyoUst,
     /// Hokuyo URG-04LX, over USB or a serial line.
     HokuyoUrg04lx,
+    /// SICK TiM551, TiM561 or TiM571, over TCP.
+    SickTim5xx,
+    /// SICK LMS100 or LMS111 at 0.5°, over TCP.
+    SickLms1xx,
+}
+
+/// Such a scanner, and what its owner accepts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RangingScanner {
+    /// Which one.
+    pub model: RangingModel,
+    /// So far there is nothing where nothing came back, millimetres; 0: that is unknown.
+    pub no_return_mm: u16,
+}
+
+impl RangingScanner {
+    /// Its driver.
+    #[must_use]
+    pub fn driver(self) -> AnyRangingScanner {
+        let no_return_mm = self.no_return_mm;
+        let hokuyo = |configuration| {
+            AnyRangingScanner::Hokuyo(Hokuyo::new(DeviceConfiguration { no_return_mm, ..configuration }))
+        };
+        let sick = |configuration| {
+            AnyRangingScanner::Cola(Cola::new(ColaConfiguration { no_return_mm, ..configuration }))
+        };
+        match self.model {
+            RangingModel::HokuyoUst => hokuyo(UST_FULL),
+            RangingModel::HokuyoUrg04lx => hokuyo(URG_04LX_FULL),
+            RangingModel::SickTim5xx => sick(TIM5XX),
+            RangingModel::SickLms1xx => sick(LMS1XX),
+        }
+    }
 }
 
 /// What its scans are, as the robot asks for them.
@@ -38,6 +73,8 @@ impl RangingModel {
         match self {
             Self::HokuyoUst => "Hokuyo UST",
             Self::HokuyoUrg04lx => "Hokuyo URG-04LX",
+            Self::SickTim5xx => "SICK TiM5xx",
+            Self::SickLms1xx => "SICK LMS1xx",
         }
     }
 
@@ -47,6 +84,8 @@ impl RangingModel {
         match self {
             Self::HokuyoUst => "hokuyo-ust",
             Self::HokuyoUrg04lx => "hokuyo-urg-04lx",
+            Self::SickTim5xx => "sick-tim5xx",
+            Self::SickLms1xx => "sick-lms1xx",
         }
     }
 
@@ -69,6 +108,20 @@ impl RangingModel {
                 period_s: 0.1,
                 range_m: [0.06, 4.0],
             },
+            Self::SickTim5xx => RangingGeometry {
+                beams: 811,
+                first_deg: -135.0,
+                step_deg: 0.333_3,
+                period_s: 1.0 / 15.0,
+                range_m: [0.05, 25.0],
+            },
+            Self::SickLms1xx => RangingGeometry {
+                beams: 541,
+                first_deg: -135.0,
+                step_deg: 0.5,
+                period_s: 0.02,
+                range_m: [0.5, 20.0],
+            },
         }
     }
 
@@ -76,14 +129,5 @@ impl RangingModel {
     #[must_use]
     pub fn later_s(self) -> f32 {
         COUNTED_SCANS * (self.geometry().period_s - COUNTED_SCAN_S).max(0.0)
-    }
-
-    /// Its driver.
-    #[must_use]
-    pub fn driver(self) -> AnyRangingScanner {
-        AnyRangingScanner::Hokuyo(Hokuyo::new(match self {
-            Self::HokuyoUst => UST_FULL,
-            Self::HokuyoUrg04lx => URG_04LX_FULL,
-        }))
     }
 }

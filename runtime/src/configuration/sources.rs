@@ -4,10 +4,11 @@
 
 use floorguard_drivers::flexisoft::InputMap;
 use floorguard_drivers::ouster::Beams;
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::units::radians;
 
-use super::ranging::RangingModel;
+use super::ranging::RangingScanner;
 
 /// Where a sensor sits on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,6 +51,8 @@ pub enum LidarModel {
     PandarXt32,
     /// Ouster OS0, OS1 or OS2, as its metadata say: hosted programs only. They live as long as the program.
     Ouster(&'static Beams),
+    /// Any lidar of 16 rings behind a bridge; elevations in thousandths of a degree, the lowest first. Hosted programs only.
+    Bridged(&'static [i32; SWEEP_RINGS]),
 }
 
 /// Three-dimensional lidar.
@@ -73,7 +76,7 @@ pub enum ScannerModel {
         beams: u16,
     },
     /// A scanner that is no safety device.
-    Ranging(RangingModel),
+    Ranging(RangingScanner),
 }
 
 impl ScannerModel {
@@ -91,7 +94,7 @@ impl ScannerModel {
         match self {
             Self::S300 => 541,
             Self::MicroScan3 { beams } => usize::from(beams),
-            Self::Ranging(model) => usize::from(model.geometry().beams),
+            Self::Ranging(RangingScanner { model, .. }) => usize::from(model.geometry().beams),
         }
     }
 
@@ -99,7 +102,7 @@ impl ScannerModel {
     #[must_use]
     pub fn first_angle_rad(self) -> f32 {
         match self {
-            Self::Ranging(model) => radians(model.geometry().first_deg),
+            Self::Ranging(RangingScanner { model, .. }) => radians(model.geometry().first_deg),
             _ => -radians(self.sector_deg() / 2.0),
         }
     }
@@ -108,7 +111,7 @@ impl ScannerModel {
     #[must_use]
     pub fn step_rad(self) -> f32 {
         match self {
-            Self::Ranging(model) => radians(model.geometry().step_deg),
+            Self::Ranging(RangingScanner { model, .. }) => radians(model.geometry().step_deg),
             _ => radians(self.sector_deg() / self.beams().saturating_sub(1).max(1) as f32),
         }
     }

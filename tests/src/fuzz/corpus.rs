@@ -4,7 +4,7 @@ use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_sim::can::CanFrame;
 use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
-use floorguard_sim::wire::OusterPacket;
+use floorguard_sim::wire::{ColaHeader, ColumnsDatagram, OusterPacket, cola_scan};
 use floorguard_sim::{Payload, Simulation, Stream};
 
 /// Messages of each stream, as the simulated devices send them.
@@ -51,6 +51,37 @@ fn telegrams(bytes: &[u8]) -> Vec<Vec<u8>> {
     let header = &bytes[..10];
     let distance = (1..bytes.len()).find(|at| bytes[*at..].starts_with(header)).unwrap_or(bytes.len());
     bytes.chunks_exact(distance).map(<[u8]>::to_vec).collect()
+}
+
+/// Datagrams of a bridge of two rings.
+#[must_use]
+pub fn bridged_datagrams() -> Vec<Vec<u8>> {
+    let datagram = |number: u32| {
+        let mut datagram = ColumnsDatagram::new((7, number), 9_000_000 + u64::from(number) * 2_000, 2);
+        for column in 0..16_u16 {
+            datagram.column((number as u16 * 560 + column * 35) % 36_000, column * 98, &[(250, 10), (0, 0)]);
+        }
+        datagram.into_bytes()
+    };
+    (0..60).map(datagram).collect()
+}
+
+/// Scans of a SICK TiM.
+#[must_use]
+pub fn cola_scans() -> Vec<Vec<u8>> {
+    let scan = |number: u16| {
+        let begun_us = u32::from(number) * 66_667;
+        let header = ColaHeader {
+            scan: number,
+            clock_us: [begun_us, begun_us + 50_000],
+            turns_chz: 1_500,
+            angles: (-450_000, 3_333),
+            ..ColaHeader::default()
+        };
+        let distances: Vec<u32> = (0..811).map(|beam| (beam * 37 + u32::from(number)) % 9_000).collect();
+        cola_scan(&header, &distances)
+    };
+    (0..4).map(scan).collect()
 }
 
 /// An Ouster of 16 beams that look to either side, and one turn of it.

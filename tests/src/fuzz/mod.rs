@@ -13,5 +13,5 @@ pub mod messages;
 pub mod scanning;
 pub mod worlds;
 
-pub use corpus::{Corpus, ouster_turn};
+pub use corpus::{Corpus, bridged_datagrams, cola_scans, ouster_turn};
 pub use corrupt::{corrupt, pick};

@@ -3,6 +3,7 @@
 mod can_recordings;
 mod lidar_senders;
 mod microscan3_scans;
+mod same_verdicts;
 mod sim_can;
 mod sim_hesai;
 mod sim_hokuyo;

@@ -120,6 +120,9 @@ fn beams_of(lidar: LidarDevice) -> (Vec<f32>, f32) {
     match lidar {
         LidarDevice::Vlp16 | LidarDevice::PandarXt16 => (down(16, 2.0), 0.4),
         LidarDevice::PandarXt32 => (down(32, 1.0), 0.4),
+        LidarDevice::Bridged(elevations) => {
+            (elevations.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians()).collect(), 360.0 / 1_024.0)
+        }
         LidarDevice::Ouster(device) => {
             let elevations = device.altitude_mdeg.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians());
             (elevations.collect(), 360.0 / f32::from(device.columns_per_turn))
@@ -135,6 +138,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         ScannerDevice::MicroScan3(beams) => (137.5, beams),
         ScannerDevice::Hokuyo(LidarModel::Ust10lx) => (135.0, 1_081),
         ScannerDevice::Hokuyo(LidarModel::Urg04lx) => (119.5, 680),
+        ScannerDevice::Sick(model) => (135.0, model.beams() as u16),
     };
     let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
     let scanner = judge::Sensor {

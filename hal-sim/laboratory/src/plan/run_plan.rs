@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{RangingScanner, RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
@@ -242,10 +242,16 @@ impl Plan {
             ScannerModel::MicroScan3 { beams } => {
                 format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n")
             }
-            ScannerModel::Ranging(model) => format!(
-                "model = \"{}\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = {ACCEPTED_MPS:?}\n",
-                model.key()
-            ),
+            ScannerModel::Ranging(RangingScanner { model, no_return_mm }) => {
+                let accepted = match no_return_mm {
+                    0 => String::new(),
+                    mm => format!("accept_no_return_m = {:?}\n", f32::from(mm) * 1.0e-3),
+                };
+                format!(
+                    "model = \"{}\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = {ACCEPTED_MPS:?}\n{accepted}",
+                    model.key()
+                )
+            }
         };
         let lines = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
         self.robot_toml = self.robot_toml.replace(lines, &fitted);

@@ -9,6 +9,7 @@ use floorguard_sim::robot::{
     BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
     Train,
 };
+use floorguard_sim::sensors::SickModel;
 use floorguard_types::geometry::{Point2, Point3};
 
 /// How high the body is where the lidar does not say: this much below its mast, metres.
@@ -24,13 +25,18 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     let scanner_device = match robot.scanner.model {
         ScannerModel::S300 => ScannerDevice::S300,
         ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
-        ScannerModel::Ranging(RangingModel::HokuyoUst) => ScannerDevice::Hokuyo(ScipLidar::Ust10lx),
-        ScannerModel::Ranging(RangingModel::HokuyoUrg04lx) => ScannerDevice::Hokuyo(ScipLidar::Urg04lx),
+        ScannerModel::Ranging(ranging) => match ranging.model {
+            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(ScipLidar::Ust10lx),
+            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(ScipLidar::Urg04lx),
+            RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
+            RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
+        },
     };
     let lidar_device = match robot.lidar.model {
         LidarModel::PandarXt16 => LidarDevice::PandarXt16,
         LidarModel::PandarXt32 => LidarDevice::PandarXt32,
         LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
+        LidarModel::Bridged(elevations) => LidarDevice::Bridged(elevations),
         _ => LidarDevice::Vlp16,
     };
     let (train, wheelbase_m, track_m) = wheels(robot);

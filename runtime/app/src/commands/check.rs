@@ -161,6 +161,7 @@ fn lidar(configuration: &HostedConfiguration) -> String {
                 rings.len()
             )
         }
+        LidarModel::Bridged(_) => "by columns of a bridge".to_owned(),
         _ => robot.lidar_model().map_or("as its packets say", Model::name).to_owned(),
     }
 }
@@ -169,6 +170,6 @@ fn scanner(model: ScannerModel) -> String {
     match model {
         ScannerModel::S300 => "S300".to_owned(),
         ScannerModel::MicroScan3 { beams } => format!("microScan3 with {beams} beams"),
-        ScannerModel::Ranging(model) => format!("{}, no safety device", model.name()),
+        ScannerModel::Ranging(ranging) => format!("{}, no safety device", ranging.model.name()),
     }
 }

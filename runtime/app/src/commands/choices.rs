@@ -1,8 +1,8 @@
 //! What can be chosen for a simulated robot.
 
 use clap::ValueEnum;
-use floorguard_configuration::{ouster_example, ouster_keys};
-use floorguard_runtime::configuration::{RangingModel, ScannerModel};
+use floorguard_configuration::{bridged_keys, ouster_example, ouster_keys};
+use floorguard_runtime::configuration::{RangingModel, RangingScanner, ScannerModel};
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 /// Which safety scanner the simulated robot carries.
@@ -17,18 +17,25 @@ pub enum FittedScanner {
     HokuyoUst,
     /// Hokuyo URG-04LX: 682 beams, ten scans a second, no safety device, at most 0.3 m/s.
     HokuyoUrg04lx,
+    /// SICK TiM5xx: 811 beams, fifteen scans a second, no safety device, at most 0.3 m/s.
+    SickTim5xx,
+    /// SICK LMS1xx: 541 beams, no safety device, at most 0.3 m/s.
+    SickLms1xx,
 }
 
 impl FittedScanner {
-    /// The model.
+    /// The model; where nothing comes back from one that is no safety device there is nothing up to 4 m, as its owner accepts.
     #[must_use]
     pub const fn model(self) -> ScannerModel {
-        match self {
-            Self::S300 => ScannerModel::S300,
-            Self::Microscan3 => ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 },
-            Self::HokuyoUst => ScannerModel::Ranging(RangingModel::HokuyoUst),
-            Self::HokuyoUrg04lx => ScannerModel::Ranging(RangingModel::HokuyoUrg04lx),
-        }
+        let model = match self {
+            Self::S300 => return ScannerModel::S300,
+            Self::Microscan3 => return ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 },
+            Self::HokuyoUst => RangingModel::HokuyoUst,
+            Self::HokuyoUrg04lx => RangingModel::HokuyoUrg04lx,
+            Self::SickTim5xx => RangingModel::SickTim5xx,
+            Self::SickLms1xx => RangingModel::SickLms1xx,
+        };
+        ScannerModel::Ranging(RangingScanner { model, no_return_mm: 4_000 })
     }
 }
 
@@ -44,6 +51,8 @@ pub enum FittedLidar {
     PandarXt32,
     /// Ouster, like an OS1 with 32 beams.
     Ouster,
+    /// Any lidar of 16 rings behind a bridge.
+    Columns,
 }
 
 impl FittedLidar {
@@ -55,6 +64,7 @@ impl FittedLidar {
             Self::PandarXt16 => Some("model = \"pandar-xt16\"".to_owned()),
             Self::PandarXt32 => Some("model = \"pandar-xt32\"".to_owned()),
             Self::Ouster => Some(ouster_keys(&ouster_example())),
+            Self::Columns => Some(bridged_keys()),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::io;
 use std::net::UdpSocket;
 use std::sync::mpsc::{Receiver, channel};
 
-use floorguard_runtime::configuration::RangingModel;
+use floorguard_runtime::configuration::RangingScanner;
 use floorguard_runtime::tape::TapeLine;
 
 use super::latch_file::LatchFile;
@@ -28,7 +28,7 @@ pub enum ScannerLink {
     /// A microScan3's port, bound already, and its accepted sender.
     Datagrams(UdpSocket, Listening),
     /// The line or the connection of a scanner that must be asked.
-    Wire(ScipAddress, RangingModel),
+    Wire(ScipAddress, RangingScanner),
 }
 
 /// Where the bytes come from, before the guard's thread opens it.

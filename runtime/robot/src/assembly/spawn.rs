@@ -12,7 +12,7 @@ use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
-use floorguard_runtime::configuration::{DriveTrain, RangingModel, RobotConfiguration};
+use floorguard_runtime::configuration::{DriveTrain, RangingScanner, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
@@ -40,7 +40,7 @@ pub enum ScannerCarrier<S, D, I> {
     /// Datagrams, and where they become scans.
     Datagrams(D),
     /// A line or a connection.
-    Asked(I, RangingModel),
+    Asked(I, RangingScanner),
 }
 
 /// The lines that the guard ring listens to.
