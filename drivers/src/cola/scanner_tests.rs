@@ -68,7 +68,7 @@ fn damaged_telegrams_are_refused_and_the_next_is_read() {
         (EXAMPLE.replace("DIST1", "RSSI1"), TelegramError::Channel),
         (EXAMPLE.replace("3F800000", "3F800001"), TelegramError::Channel),
         (EXAMPLE.replace("A2 0 1", "A2 9 1"), TelegramError::Form),
-        (EXAMPLE[..60].to_owned(), TelegramError::Field(14)),
+        (String::from(&EXAMPLE[..60]), TelegramError::Field(14)),
     ] {
         let found = ScanTelegram::new_checked(text.as_bytes()).map(|_| ()).unwrap_err();
         assert_eq!(found, error, "{text}");
