@@ -43,6 +43,8 @@ mod supervisor;
 #[cfg(test)]
 mod tests;
 mod way_check;
+#[cfg(test)]
+mod word_tests;
 
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};

@@ -5,7 +5,7 @@ use floorguard_types::time::Stamp;
 
 use super::contract::{RangingEvent, RangingScanner};
 use super::hokuyo::HokuyoOf;
-use crate::cola::ColaOf;
+use super::sick::ColaOf;
 
 /// One of the makers' protocols.
 // One lives for the length of a run.

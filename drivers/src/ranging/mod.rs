@@ -6,7 +6,12 @@
 mod any_scanner;
 mod contract;
 mod hokuyo;
+mod sick;
 
 pub use any_scanner::{AnyRangingScanner, AnyRangingScannerOf};
 pub use contract::{RangingEvent, RangingScanner};
 pub use hokuyo::{Hokuyo, HokuyoOf, URG_04LX_FULL, UST_FULL};
+pub use sick::{Cola, ColaConfiguration, ColaOf, LMS1XX, TIM5XX};
+
+#[cfg(test)]
+mod sick_tests;

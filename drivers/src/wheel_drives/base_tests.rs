@@ -128,8 +128,9 @@ fn fg_req_080_stop_keeps_curve_until_standstill() {
             bench.report_all(0x0237, [orders[0].1, orders[1].1, 0, 0]);
         });
         bench.base.command(WheelCommand::Stop(kind));
-        let mut stood = 0;
-        for poll in 0..60 {
+        // 0.6 m/s at 1.5 m/s² are 40 steps of 10 ms, and the first is taken with the command itself.
+        let (mut steps, mut before_mm) = (1, 585);
+        for _ in 0..60 {
             bench.poll();
             let orders = bench.orders();
             let (left, right) = (orders[0].1, orders[1].1);
@@ -137,12 +138,12 @@ fn fg_req_080_stop_keeps_curve_until_standstill() {
             assert!((left * 3 - right * 2).abs() <= 3, "{left} {right}");
             if right != 0 {
                 assert_eq!(orders[0].0, 0x0F, "it is led down before the torque goes");
-                stood = poll;
             }
+            steps += i32::from(before_mm != 0);
+            before_mm = right;
             bench.report_all(0x0237, [left, right, 0, 0]);
         }
-        // 0.6 m/s at 1.5 m/s².
-        assert!((38..=41).contains(&stood), "{stood}");
+        assert_eq!(steps, 40);
         let word = if kind == StopKind::Hold { 0x0F } else { 0x02 };
         assert_eq!(bench.orders(), [(word, 0), (word, 0)]);
     }

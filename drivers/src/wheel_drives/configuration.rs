@@ -68,7 +68,7 @@ impl WheelDrivesConfiguration {
         self.wheel_nodes.iter().take_while(|node| **node != 0).count()
     }
 
-    /// What a drive is told at its start: watch the master, follow speeds, report status, speed and position at every SYNC.
+    /// What a drive is configured to do at its start: watch the master, follow speeds, report status, speed and position at every SYNC.
     pub(super) fn wheel_script(&self, node: u8) -> Script {
         let watch = (u32::from(self.master_node) << 16) | MASTER_SILENT_MS;
         let millimetres = |metres: f32| saturating_u32((metres * 1_000.0 * OWN_RAMP).max(1.0));

@@ -8,8 +8,8 @@ mod velocity_base;
 
 pub use brush_deck::{BrushDeck, BrushPass};
 pub use parameters::{
-    BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
-    Train,
+    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice,
+    SensorMount, SickModel, Train,
 };
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

@@ -3,8 +3,6 @@
 use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
-use crate::actuated::LidarModel;
-use crate::sensors::SickModel;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +94,24 @@ pub struct OusterDevice {
     pub beam_origin_um: u32,
 }
 
+/// Which Hokuyo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HokuyoModel {
+    /// UST-10LX: 1,081 beams.
+    Ust,
+    /// URG-04LX: 682 beams.
+    Urg04lx,
+}
+
+/// Which SICK that is no safety scanner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SickModel {
+    /// TiM561: 811 beams, 15 turns a second, a third of a degree.
+    Tim5xx,
+    /// LMS111: 541 beams, 50 turns a second, half a degree.
+    Lms1xx,
+}
+
 /// Which scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
@@ -105,7 +121,7 @@ pub enum ScannerDevice {
     /// microScan3: so many beams over 275°.
     MicroScan3(u16),
     /// A Hokuyo, which is no safety scanner.
-    Hokuyo(LidarModel),
+    Hokuyo(HokuyoModel),
     /// A TiM or an LMS of SICK, which is none either.
     Sick(SickModel),
 }

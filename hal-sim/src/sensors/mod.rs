@@ -21,5 +21,5 @@ pub use lidar_sensor::LidarSensor;
 pub use ouster::Ouster;
 pub use pandar::Pandar;
 pub use scanner::{Scanner, ScannerState};
-pub use sick::{SickModel, SickScanner};
+pub use sick::SickScanner;
 pub use view::View;

@@ -6,8 +6,8 @@
 use floorguard_types::random::Pcg32;
 
 use super::{SickScanner, View};
-use crate::actuated::ScanLidar;
-use crate::robot::ScannerDevice;
+use crate::actuated::{LidarModel, ScanLidar};
+use crate::robot::{HokuyoModel, ScannerDevice};
 use crate::wire::Stream;
 use crate::wire::{
     BeamWords, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY, TelegramHeader, encode_scan_message,
@@ -110,8 +110,13 @@ impl Scanner {
         let own = |random: &mut Pcg32| u64::from(random.below(u32::MAX));
         let asked = match device {
             ScannerDevice::Hokuyo(model) => {
+                let model = match model {
+                    HokuyoModel::Ust => LidarModel::Ust10lx,
+                    HokuyoModel::Urg04lx => LidarModel::Urg04lx,
+                };
                 Some(AskedScanner::Hokuyo(ScanLidar::new(model, own(&mut random))))
             }
+
             ScannerDevice::Sick(model) => Some(AskedScanner::Sick(SickScanner::new(model, own(&mut random)))),
             ScannerDevice::S300 | ScannerDevice::MicroScan3(_) => None,
         };

@@ -2,6 +2,7 @@
 
 use floorguard_types::random::Pcg32;
 
+use crate::robot::SickModel;
 use crate::wire::{ColaHeader, cola_scan, cola_telegram};
 
 /// From the end of a scan to the arrival of its last byte, microseconds: TCP.
@@ -12,28 +13,11 @@ const ANSWER_US: u64 = 2_000;
 const ASK: &[u8] = b"sEN LMDscandata 1";
 const NOISE_M: f32 = 0.012;
 
-/// Which sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SickModel {
-    /// TiM561: 15 turns a second, a third of a degree.
-    Tim5xx,
-    /// LMS111: 50 turns a second, half a degree.
-    Lms1xx,
-}
-
-impl SickModel {
-    /// Beams, step in ten-thousandths of a degree, microseconds of a turn, nearest and farthest distance in millimetres.
-    const fn numbers(self) -> (u32, u16, u64, [u32; 2]) {
-        match self {
-            Self::Tim5xx => (811, 3_333, 66_667, [50, 10_000]),
-            Self::Lms1xx => (541, 5_000, 20_000, [500, 20_000]),
-        }
-    }
-
-    /// Beams over its 270°.
-    #[must_use]
-    pub const fn beams(self) -> u32 {
-        self.numbers().0
+/// Beams, step in ten-thousandths of a degree, microseconds of a turn, nearest and farthest distance in millimetres.
+const fn numbers(model: SickModel) -> (u32, u16, u64, [u32; 2]) {
+    match model {
+        SickModel::Tim5xx => (811, 3_333, 66_667, [50, 10_000]),
+        SickModel::Lms1xx => (541, 5_000, 20_000, [500, 20_000]),
     }
 }
 
@@ -84,7 +68,7 @@ impl SickScanner {
         mut range_m: impl FnMut(f64, f64) -> Option<f32>,
     ) -> Vec<(u64, Vec<u8>)> {
         let mut arrives = std::mem::take(&mut self.answers);
-        let (beams, step, turn_us, [nearest_mm, farthest_mm]) = self.model.numbers();
+        let (beams, step, turn_us, [nearest_mm, farthest_mm]) = numbers(self.model);
         let step_deg = f64::from(step) * 1.0e-4;
         loop {
             let begun_us = self.turn * turn_us;
@@ -110,7 +94,7 @@ impl SickScanner {
     }
 
     fn end_turn(&mut self, begun_us: u64, ended_us: u64) -> Option<Vec<u8>> {
-        let (_, step, turn_us, _) = self.model.numbers();
+        let (_, step, turn_us, _) = numbers(self.model);
         let clock = |world_us: u64| (self.clock_us + world_us) as u32;
         let header = ColaHeader {
             status: 0,

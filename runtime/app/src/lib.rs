@@ -5,6 +5,7 @@ extern crate floorguard_host;
 
 pub mod commands;
 pub mod doctor;
+pub mod learning;
 pub mod mapping_commands;
 pub mod recordings;
 pub mod window;

@@ -6,7 +6,7 @@ use std::path::Path;
 use floorguard_drivers::scan_motor::ScanMotorConfiguration;
 use floorguard_types::units::radians;
 
-use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
+use super::address::{CanAddress, DatagramAddress, ScipAddress, SerialAddress, parse_serial};
 use super::devices::read_source;
 use super::reader::Reader;
 
@@ -17,15 +17,6 @@ pub enum ScipModel {
     Urg04lx,
     /// Hokuyo UST-10LX: TCP, forty scans a second, 10 m.
     Ust10lx,
-}
-
-/// Where the sensor is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ScipAddress {
-    /// A serial line, or USB that looks like one.
-    Serial(SerialAddress),
-    /// A TCP port of the sensor.
-    Tcp(SocketAddr),
 }
 
 /// Lidar and motor.
@@ -229,7 +220,15 @@ mod tests {
     fn section_is_read_with_its_defaults() {
         assert_eq!(read(""), Ok(None));
         let lidar = read(EXAMPLE_SECTION).unwrap().unwrap();
-        assert_eq!(lidar.motor, ScanMotorConfiguration::PUBLISHED);
+        let ScanMotorConfiguration { left_rad, right_rad, .. } = ScanMotorConfiguration::PUBLISHED;
+        assert!(
+            (lidar.motor.left_rad - left_rad).abs() < 1.0e-6
+                && (lidar.motor.right_rad - right_rad).abs() < 1.0e-6
+        );
+        assert_eq!(
+            ScanMotorConfiguration { left_rad, right_rad, ..lidar.motor },
+            ScanMotorConfiguration::PUBLISHED
+        );
         assert_eq!((lidar.mounted_m, lidar.cell_m, lidar.threshold_m), ([0.3, 0.0, 0.57], 0.05, 1.0));
         let words = lidar.words();
         assert!(words.contains("URG-04LX") && words.contains("±113°") || words.contains("±112°"), "{words}");

@@ -6,8 +6,6 @@ use std::path::PathBuf;
 
 use floorguard_runtime::configuration::RangingScanner;
 
-use super::actuated_lidar::ScipAddress;
-
 /// A UDP socket to bind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DatagramAddress {
@@ -58,6 +56,15 @@ pub struct SerialAddress {
     pub device: PathBuf,
     /// Symbols per second.
     pub baud: u32,
+}
+
+/// Where a sensor is that must be asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ScipAddress {
+    /// A serial line, or USB that looks like one.
+    Serial(SerialAddress),
+    /// A TCP port of the sensor.
+    Tcp(SocketAddr),
 }
 
 /// What a scanner is connected to.

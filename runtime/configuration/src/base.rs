@@ -11,6 +11,7 @@ use super::address::{BaseAddress, CanAddress, DatagramAddress, SenderAddress, Se
 use super::devices::{read_can, read_inputs};
 use super::fields::read_polygon;
 use super::reader::Reader;
+use super::wheels::Wheels;
 
 /// Sections that only a base on a CAN bus has.
 const OF_THE_BUS: [&str; 2] = ["can", "inputs"];
@@ -65,25 +66,6 @@ pub(super) struct BaseSection {
     steering_max_rad: f32,
     /// Of the controller; `None`: wrong.
     address: Option<BaseAddress>,
-}
-
-/// How the robot's wheels move it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wheels {
-    Tricycle,
-    Differential,
-    Ackermann,
-    Omnidirectional,
-}
-
-impl Wheels {
-    /// As `kind` names them.
-    const NAMES: [(&'static str, Self); 4] = [
-        ("tricycle", Self::Tricycle),
-        ("differential", Self::Differential),
-        ("ackermann", Self::Ackermann),
-        ("omnidirectional", Self::Omnidirectional),
-    ];
 }
 
 impl BaseSection {
@@ -274,8 +256,9 @@ mod tests {
         let text = on_wheels("kind = \"omnidirectional\"", four);
         let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
         // It turns as a differential base whose track is 0.8 + 0.6 m, and counts two wheels on each side.
-        assert_eq!((robot.geometry.track_m, robot.geometry.ticks_per_m), (1.4, 40_000.0));
-        assert_eq!(robot.guard().drive.wheel_lever_m, 0.7);
+        assert!((robot.geometry.track_m - 1.4).abs() < 1.0e-6, "{}", robot.geometry.track_m);
+        assert_eq!(robot.geometry.ticks_per_m, 40_000.0);
+        assert!((robot.guard().drive.wheel_lever_m - 0.7).abs() < 1.0e-6);
         let text = on_wheels("kind = \"ackermann\"\nsteering_max_deg = 45.0", NODES);
         let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
         assert!((robot.ackermann().curvature_max_per_m() - 1.25).abs() < 1.0e-5);
@@ -288,7 +271,11 @@ mod tests {
         for (text, words) in [
             (on_wheels("kind = \"diferential\"", pair), "did you mean"),
             (on_wheels("kind = \"differential\"", NODES), "`left_drive_node` is missing"),
-            (on_wheels("kind = \"differential\"", &pair.replace('2', "5")), "are not different"),
+            (
+                on_wheels("kind = \"differential\"", &pair.replace('2', "5"))
+                    .replace("wheelbase_m = 0.80\n", ""),
+                "are not different",
+            ),
             (on_wheels("kind = \"ackermann\"", NODES), "`steering_max_deg` is missing"),
             (on_wheels("kind = \"differential\"", pair), "`wheelbase_m` is not a known key"),
             (on_wheels("", NODES), "`kind` is missing"),

@@ -6,13 +6,12 @@ use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
 
 use super::address::{CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
-use super::base::Wheels;
 use super::reader::Reader;
+use super::wheels::Wheels;
 
-mod distinct;
+mod channels;
 
-pub(super) use distinct::{Addresses, check_addresses};
-use distinct::{check_bits, check_channels};
+use channels::{check_bits, check_channels};
 
 pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {
     let mounting = Mounting {

@@ -10,6 +10,7 @@ mod camera;
 mod command;
 mod coverage;
 mod devices;
+mod distinct;
 mod fields;
 mod fleet;
 mod learning;
@@ -25,10 +26,13 @@ mod reference;
 mod scanner;
 mod sensors;
 mod warnings;
+mod wheels;
 
 pub use absent::{Absence, absences};
-pub use actuated_lidar::{ActuatedLidarConfiguration, ScipAddress, ScipModel};
-pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
+pub use actuated_lidar::{ActuatedLidarConfiguration, ScipModel};
+pub use address::{
+    BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SenderAddress, SerialAddress,
+};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};

@@ -148,7 +148,7 @@ fn nodes(can: &CanConfiguration) -> Vec<u8> {
     fitted.into_iter().chain(can.dirt_sensor_node).collect()
 }
 
-/// A bit says one thing.
+/// A bit means one level.
 fn check_levels(section: &Reader<'_>, levels: &LevelBits, can: Option<&CanConfiguration>) {
     let own = [
         ("battery_low_bit", levels.battery_low),

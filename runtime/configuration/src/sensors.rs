@@ -8,7 +8,8 @@ use super::actuated_lidar::{ActuatedLidarConfiguration, check_motor_bus, read_ac
 use super::address::{BaseAddress, CanAddress, DatagramAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
 use super::command::CommandAddress;
-use super::devices::{Addresses, check_addresses, read_imu};
+use super::devices::read_imu;
+use super::distinct::{Addresses, check_addresses};
 use super::lidar::read_lidar;
 use super::reader::Reader;
 use super::scanner::{ReadScanner, read_rear_scanner, read_scanner};

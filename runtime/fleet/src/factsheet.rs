@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::instant::KNOWN;
-use super::order::WAIT_ACTION;
-use super::rules::{IDENTIFIER_MAX, NODE_ACTIONS_MAX, NODES_MAX};
+use super::rules::{IDENTIFIER_MAX, INSTANT_ACTIONS, NODE_ACTIONS_MAX, NODES_MAX, WAIT_ACTION};
 use super::vehicle::VehicleDescription;
 
 /// The factsheet without its header.
@@ -48,7 +46,7 @@ fn optional_parameters() -> Value {
 }
 
 fn actions() -> Vec<Value> {
-    let instant = KNOWN.iter().map(|kind| json!({"actionType": kind, "actionScopes": ["INSTANT"]}));
+    let instant = INSTANT_ACTIONS.iter().map(|kind| json!({"actionType": kind, "actionScopes": ["INSTANT"]}));
     let wait = json!({
         "actionType": WAIT_ACTION, "actionDescription": "stands for some seconds", "actionScopes": ["NODE"],
         "actionParameters": [{"key": "duration", "valueDataType": "NUMBER", "description": "seconds"}],

@@ -6,16 +6,6 @@ use super::order::state_of;
 use super::rules::report;
 use super::vehicle::{VehicleCommand, VehiclePose};
 
-/// Kinds that this vehicle knows.
-pub const KNOWN: [&str; 7] = [
-    "startPause",
-    "stopPause",
-    "cancelOrder",
-    "initPosition",
-    "stateRequest",
-    "factsheetRequest",
-    "logReport",
-];
 /// States of instant actions are kept for the newest so many; the master has read the others.
 const KEPT: usize = 64;
 

@@ -6,8 +6,6 @@ use super::messages::{Action, ActionState, EdgeState, Node, NodeState, Order, Re
 use super::rules::{refusal, usable, validate};
 use super::vehicle::{OrderedPlace, VehicleDescription, VehicleMoment, VehiclePose};
 
-/// What this vehicle does at nodes: it stands for so many seconds, parameter `duration`.
-pub const WAIT_ACTION: &str = "wait";
 /// The first node of an order counts as reached within, metres, where the order does not say: the vehicle comes from anywhere.
 const START_WITHIN_M: f64 = 1.0;
 /// A node on the way counts as traversed within, metres, where the order does not say.

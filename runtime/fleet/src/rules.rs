@@ -3,9 +3,20 @@
 use std::collections::BTreeSet;
 
 use super::messages::{Action, Node, Order, OrderEdge, Reference, Report};
-use super::order::WAIT_ACTION;
 use super::vehicle::VehicleDescription;
 
+/// What this vehicle does at nodes: it stands for so many seconds, parameter `duration`.
+pub const WAIT_ACTION: &str = "wait";
+/// Instant actions that this vehicle knows.
+pub const INSTANT_ACTIONS: [&str; 7] = [
+    "startPause",
+    "stopPause",
+    "cancelOrder",
+    "initPosition",
+    "stateRequest",
+    "factsheetRequest",
+    "logReport",
+];
 /// An order has at most so many nodes, as the factsheet says.
 pub const NODES_MAX: usize = 1_000;
 /// Actions at a node at most.

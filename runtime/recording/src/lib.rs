@@ -27,6 +27,7 @@ pub mod replay;
 mod run;
 mod scan_map;
 mod schemas;
+mod times;
 pub mod topics;
 pub mod truth;
 
@@ -37,7 +38,8 @@ pub use message_count::count_messages;
 pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
 pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};
-pub use recorder::{Compression, RecordError, Recorder, Times};
+pub use recorder::{Compression, RecordError, Recorder};
 pub use run::{END_METADATA, LEARNED, RUN_METADATA, RunInfo, RunRecorder};
 pub use schemas::{OCTETS, Schema};
+pub use times::Times;
 pub use topics::MotionRow;

@@ -1,7 +1,7 @@
 //! Who hears the messages of a recording while they are made: live connections to viewers.
 
-use super::recorder::Times;
 use super::schemas::Schema;
+use super::times::Times;
 
 /// One message on its way: the same bytes that a recording holds.
 #[derive(Clone, Copy)]

@@ -16,6 +16,7 @@ use super::listener::{LiveMessage, MessageListener};
 use super::messages;
 use super::raw::RawStream;
 use super::schemas::{self, Schema};
+use super::times::Times;
 
 /// A chunk holds messages of this much recorded time, and not many more bytes than this.
 const CHUNK_US: u64 = 250_000;
@@ -83,21 +84,6 @@ impl Compression {
                     .to_owned(),
             )),
         }
-    }
-}
-
-/// When something was recorded, and when it was made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Times {
-    /// Recorded: the order of the file.
-    pub logged: Stamp,
-    /// Made, or for raw bytes: arrived.
-    pub published: Stamp,
-}
-
-impl From<Stamp> for Times {
-    fn from(stamp: Stamp) -> Self {
-        Self { logged: stamp, published: stamp }
     }
 }
 

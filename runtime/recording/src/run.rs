@@ -27,9 +27,10 @@ use super::lidar_view::LidarView;
 use super::listener::MessageListener;
 use super::navigation::SeenDrive;
 use super::raw::RawStream;
-use super::recorder::{RecordError, Recorder, Times};
+use super::recorder::{RecordError, Recorder};
 use super::scan_map::ScanMap;
 use super::schemas;
+use super::times::Times;
 use super::topics::{self, MotionRow};
 
 /// Name of the texts about the run.

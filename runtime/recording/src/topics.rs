@@ -7,8 +7,9 @@ use floorguard_types::sensing::{ImuSample, Scan};
 use floorguard_types::time::Stamp;
 
 use super::messages::{self, Diagnostic, GridImage, Marker, PointRow};
-use super::recorder::{RecordError, Recorder, Times};
+use super::recorder::{RecordError, Recorder};
 use super::schemas;
+use super::times::Times;
 
 /// Points of a sweep.
 pub const CLOUD: &str = "/lidar/points";

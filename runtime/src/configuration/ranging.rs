@@ -1,7 +1,8 @@
 //! Scanners that are no safety devices: what each model measures, and its driver.
 
-use floorguard_drivers::cola::{Cola, ColaConfiguration, LMS1XX, TIM5XX};
-use floorguard_drivers::ranging::{AnyRangingScanner, Hokuyo, URG_04LX_FULL, UST_FULL};
+use floorguard_drivers::ranging::{
+    AnyRangingScanner, Cola, ColaConfiguration, Hokuyo, LMS1XX, TIM5XX, URG_04LX_FULL, UST_FULL,
+};
 use floorguard_drivers::scip::DeviceConfiguration;
 
 /// The guard counts on so many scans until it stops: two that must agree, one that is not in step, one that may be lost.

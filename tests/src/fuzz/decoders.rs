@@ -2,11 +2,10 @@
 #![allow(clippy::missing_panics_doc)] // That they panic at a wrong answer is what they are for.
 
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
-use floorguard_drivers::cola::{Cola, TIM5XX};
 use floorguard_drivers::lidar_link::Decoder as Bridged;
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
 use floorguard_drivers::ouster::{Beams, Decoder as Ouster};
-use floorguard_drivers::ranging::{RangingEvent, RangingScanner};
+use floorguard_drivers::ranging::{Cola, RangingEvent, RangingScanner, TIM5XX};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velocity_link::{

@@ -5,8 +5,7 @@ use floorguard_drivers::ranging::{Hokuyo, RangingEvent, RangingScanner, UST_FULL
 use floorguard_laboratory::plan::Plan;
 use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
 use floorguard_runtime::configuration::{RangingModel, RangingScanner, ScannerModel};
-use floorguard_sim::actuated::LidarModel;
-use floorguard_sim::robot::{RobotParameters, ScannerDevice};
+use floorguard_sim::robot::{HokuyoModel, RobotParameters, ScannerDevice};
 use floorguard_sim::{FaultSpec, Payload, Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
@@ -18,7 +17,7 @@ const MOUNT_M: f32 = 0.90;
 
 /// Asks the simulated sensor as the robot does, every 20 ms.
 fn scans(until_us: u64) -> Vec<(u64, Scan)> {
-    let device = ScannerDevice::Hokuyo(LidarModel::Ust10lx);
+    let device = ScannerDevice::Hokuyo(HokuyoModel::Ust);
     let parameters = RobotParameters { scanner_device: device, ..RobotParameters::default() };
     let mut simulation = Simulation::with_robot(&room(START), 5, parameters).unwrap();
     let mut scanner = Hokuyo::new(UST_FULL);

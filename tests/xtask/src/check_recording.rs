@@ -9,7 +9,7 @@ use std::process::Command;
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::shell;
+use crate::{program, shell};
 
 /// What to read.
 #[derive(Args)]
@@ -84,8 +84,8 @@ fn environment(work: &Path) -> Result<PathBuf, String> {
 /// A crossing with people, and an emergency stop.
 fn record(work: &Path) -> Result<Option<PathBuf>> {
     let file = work.join("crossing.mcap");
-    let mut simulate = shell::cargo();
-    simulate.args(["run", "--quiet", "--package", "floorguard", "--", "simulate", "--json"]);
+    let mut simulate = program::command("floorguard")?;
+    simulate.args(["simulate", "--json"]);
     simulate.args(["--scenario", "crossing", "--seed", "3", "--duration", "12", "--emergency-stop", "6..7"]);
     simulate.arg("--record").arg(&file);
     let done = shell::output(&mut simulate).is_some();

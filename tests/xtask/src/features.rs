@@ -5,9 +5,6 @@ use std::collections::BTreeSet;
 
 use crate::shell;
 
-/// Differences that cost little: only the programs of the tests stand on them.
-const ALLOWED: [&str; 1] = ["getrandom"];
-
 /// `name version [features]` of all dependencies of a selection of packages.
 fn features(edges: &str, selection: &[&str]) -> BTreeSet<String> {
     let mut tree = shell::cargo();
@@ -19,13 +16,9 @@ fn features(edges: &str, selection: &[&str]) -> BTreeSet<String> {
 #[test]
 fn programs_share_the_features_of_tests() {
     let built = features("normal,build,dev", &["--workspace"]);
-    for package in ["floorguard", "floorguard-tests"] {
-        let alone = features("normal,build", &["--package", package]);
-        assert!(alone.len() > 100, "{package}: {} dependencies", alone.len());
-        let twice: Vec<_> = alone
-            .difference(&built)
-            .filter(|line| !ALLOWED.iter().any(|name| line.starts_with(&format!("{name} v"))))
-            .collect();
-        assert!(twice.is_empty(), "{package}: compiled twice; give them one set of features: {twice:#?}");
-    }
+    // As `program::built` selects them.
+    let programs = features("normal,build", &["--workspace"]);
+    assert!(programs.len() > 100, "{} dependencies", programs.len());
+    let twice: Vec<_> = programs.difference(&built).collect();
+    assert!(twice.is_empty(), "compiled twice; give them one set of features: {twice:#?}");
 }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::firmware_replay::{self, check_length};
 use crate::image_size::{Size, measure};
 use crate::machine::TARGET;
-use crate::{setup, shell, worst};
+use crate::{program, setup, shell, worst};
 use embedded_audit::facts::facts;
 
 /// The image that plays tapes.
@@ -244,26 +244,16 @@ impl Options {
 fn wired(options: &Options) -> Result<bool> {
     let image = build(&target_folder()?, WIRED_IMAGE)?;
     let small = fits("mps2-an500", measure(&image, Some(BOARD_HANDLERS))?, options.update)?;
-    let mut play = shell::cargo();
-    play.args([
-        "run",
-        "--quiet",
-        "--package",
-        "floorguard-tests",
-        "--bin",
-        "floorguard-wired",
-        "--",
-        "--image",
+    let mut play = program::command("floorguard-wired")?;
+    play.arg("--image").arg(image).args([
+        "--scenario",
+        &options.scenario,
+        "--seed",
+        &options.seed.to_string(),
     ]);
-    play.arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
     play.args(["--duration", &options.duration.unwrap_or(60).to_string()]);
     if let Some(which) = &options.faults {
-        let mut program = shell::cargo();
-        program.args(["build", "--quiet", "--package", "floorguard"]);
-        if !shell::succeeds(&mut program)? {
-            bail!("the program that reads the black box does not build");
-        }
-        play.args(["--faults", which]).arg("--program").arg(target_folder()?.join("debug/floorguard"));
+        play.args(["--faults", which]).arg("--program").arg(program::built("floorguard")?);
     }
     if options.json {
         play.arg("--json");
@@ -273,8 +263,8 @@ fn wired(options: &Options) -> Result<bool> {
 
 /// Plays the scenario on the host; gives the fingerprint.
 fn record((scenario, seed, seconds): (&str, u64, u32), tape: &Path) -> Result<String> {
-    let mut simulate = shell::cargo();
-    simulate.args(["run", "--quiet", "--package", "floorguard", "--", "simulate", "--json"]);
+    let mut simulate = program::command("floorguard")?;
+    simulate.args(["simulate", "--json"]);
     simulate.args(["--scenario", scenario, "--seed", &seed.to_string()]);
     simulate.args(["--duration", &seconds.to_string(), "--tape"]).arg(tape);
     let printed =

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use embedded_audit::shell;
+
+use crate::program;
 
 /// Bytes of the board's PSRAM for a tape: all but 64 KiB for the black box of the wired image, and as much for the options
 /// of its bench.
@@ -14,12 +15,8 @@ const SECONDS_MAX: u32 = 12;
 /// Writes the tape of a capture, and gives the fingerprint of what the host puts out.
 pub fn record(capture: &Path, seconds: Option<u32>, tape: &Path) -> Result<String> {
     let capture = capture.canonicalize().with_context(|| format!("{}", capture.display()))?;
-    let mut program = shell::cargo();
-    program
-        .args(["run", "--quiet", "--package", "floorguard", "--", "tape"])
-        .arg(&capture)
-        .arg("--out")
-        .arg(tape);
+    let mut program = program::command("floorguard")?;
+    program.arg("tape").arg(&capture).arg("--out").arg(tape);
     program.args(["--duration", &seconds.unwrap_or(SECONDS_MAX).to_string()]);
     // What is wrong with the capture, the program says on standard error.
     let output = program.stderr(std::process::Stdio::inherit()).output()?;

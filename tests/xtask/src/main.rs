@@ -20,6 +20,7 @@ mod image_size;
 mod machine;
 mod package;
 mod panel_check;
+mod program;
 mod reproduce;
 mod setup;
 mod stack;

@@ -6,10 +6,10 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Args;
 
-use crate::shell;
+use crate::{program, shell};
 
 /// Names under which Chromium is installed.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
@@ -38,13 +38,11 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(true);
         }
     };
-    if !shell::succeeds(shell::cargo().args(["build", "--quiet", "--package", "floorguard"]))? {
-        bail!("the program cannot be built");
-    }
+    let program = program::built("floorguard")?;
     let _ = std::fs::remove_file(folder.join("records.json"));
     let mut walk = Command::new("node");
     walk.arg(shell::root().join("tests/panel/check.mjs"));
-    walk.arg(shell::target_folder().join("debug/floorguard")).arg(browser).arg(&folder);
+    walk.arg(program).arg(browser).arg(&folder);
     walk.env("PANEL_CHECK", options.only.join(","));
     shell::succeeds(&mut walk)
 }

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use crate::{machine, shell};
+use crate::{machine, program, shell};
 
 /// The modules, in the order of loading.
 const MODULES: [&str; 4] =
@@ -43,12 +43,7 @@ pub fn run(options: &Options) -> Result<bool> {
         );
         return Ok(false);
     }
-    let mut build = shell::cargo();
-    build.args(["build", "--quiet", "--package", "floorguard"]);
-    if !shell::succeeds(&mut build)? {
-        return Ok(false);
-    }
-    let program = shell::target_folder().join("debug/floorguard");
+    let program = program::built("floorguard")?;
     let folder = shell::target_folder().join("vcan");
     let image = pack(&folder, &program, options)?;
     println!("vcan: booting a Linux with vcan0");

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use crate::{firmware, shell};
+use crate::{firmware, program, shell};
 
 /// The kept inputs with their counts.
 pub const GOLDEN: &str = "tests/goldens/worst-inputs.json";
@@ -31,8 +31,7 @@ pub fn check(image: &Path, update: bool) -> Result<bool> {
 }
 
 fn run(image: &Path, arguments: &[&str]) -> Result<bool> {
-    let mut worst = shell::cargo();
-    worst.args(["run", "--quiet", "--package", "floorguard-tests", "--bin", "floorguard-worst", "--"]);
+    let mut worst = program::command("floorguard-worst")?;
     worst.arg("--image").arg(image).arg("--golden").arg(shell::root().join(GOLDEN)).args(arguments);
     shell::succeeds(&mut worst)
 }

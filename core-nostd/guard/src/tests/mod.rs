@@ -28,4 +28,3 @@ mod timelines;
 mod truth_tables;
 mod unseen;
 mod vectors;
-mod words;

@@ -25,7 +25,7 @@ pub struct SteeredWheel {
 /// let wanted = Twist2 { linear_mps: 0.5, angular_radps: 0.066_666_7 };
 /// let steering_rad = base.steering_rad(wanted, 0.0);
 /// assert!((steering_rad - 0.145_628).abs() < 1.0e-6);
-/// let driven = base.twist(base.wheel_mps(wanted, steering_rad, steering_rad), steering_rad);
+/// let driven = base.twist_at(base.wheel_mps(wanted, steering_rad, steering_rad), steering_rad);
 /// assert!((driven.linear_mps - 0.5).abs() < 1.0e-3);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ const ACROSS_RAD: f32 = 1.4;
 impl Tricycle {
     /// Velocity of the middle of the rear axle from the front wheel's speed over ground and angle.
     #[must_use]
-    pub fn twist(&self, wheel_mps: f32, steering_rad: f32) -> Twist2 {
+    pub fn twist_at(&self, wheel_mps: f32, steering_rad: f32) -> Twist2 {
         let (sin, cos) = libm::sincosf(steering_rad);
         Twist2 { linear_mps: wheel_mps * cos, angular_radps: wheel_mps * sin / self.wheelbase_m.max(1.0e-3) }
     }
@@ -97,7 +97,7 @@ impl BaseModel for Tricycle {
     }
 
     fn twist(&self, wheels: &SteeredWheel) -> Twist2 {
-        Self::twist(self, wheels.wheel_mps, wheels.steering_rad)
+        Self::twist_at(self, wheels.wheel_mps, wheels.steering_rad)
     }
 
     /// A wheel that turns nearly across turns the base on the spot.
@@ -135,7 +135,7 @@ mod tests {
         for (linear_mps, angular_radps) in [(0.5, 0.3), (0.5, -0.3), (-0.2, 0.1), (-0.2, -0.1), (0.0, 0.2)] {
             let wanted = Twist2 { linear_mps, angular_radps };
             let angle = BASE.steering_rad(wanted, 0.0);
-            let twist = BASE.twist(BASE.wheel_mps(wanted, angle, angle), angle);
+            let twist = BASE.twist_at(BASE.wheel_mps(wanted, angle, angle), angle);
             assert!((twist.linear_mps - linear_mps).abs() < 1e-3, "{wanted:?} {twist:?}");
             assert!((twist.angular_radps - angular_radps).abs() < 1e-3, "{wanted:?} {twist:?}");
         }

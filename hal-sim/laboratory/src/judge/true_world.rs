@@ -1,9 +1,10 @@
 //! From the simulator's true state to the plain numbers that the judge of contacts takes.
 
 use floorguard_contact_judge as judge;
-use floorguard_sim::actuated::LidarModel;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
-use floorguard_sim::robot::{BodyPrism, LidarDevice, RobotBody, RobotParameters, ScannerDevice, SensorMount};
+use floorguard_sim::robot::{
+    BodyPrism, HokuyoModel, LidarDevice, RobotBody, RobotParameters, ScannerDevice, SensorMount, SickModel,
+};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
@@ -136,9 +137,10 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
     let (half_deg, beams) = match parameters.scanner_device {
         ScannerDevice::S300 => (135.0_f32, 541),
         ScannerDevice::MicroScan3(beams) => (137.5, beams),
-        ScannerDevice::Hokuyo(LidarModel::Ust10lx) => (135.0, 1_081),
-        ScannerDevice::Hokuyo(LidarModel::Urg04lx) => (119.5, 680),
-        ScannerDevice::Sick(model) => (135.0, model.beams() as u16),
+        ScannerDevice::Hokuyo(HokuyoModel::Ust) => (135.0, 1_081),
+        ScannerDevice::Hokuyo(HokuyoModel::Urg04lx) => (119.5, 680),
+        ScannerDevice::Sick(SickModel::Tim5xx) => (135.0, 811),
+        ScannerDevice::Sick(SickModel::Lms1xx) => (135.0, 541),
     };
     let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
     let scanner = judge::Sensor {

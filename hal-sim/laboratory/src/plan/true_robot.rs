@@ -4,12 +4,10 @@ use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_runtime::configuration::{
     DriveTrain, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
-use floorguard_sim::actuated::LidarModel as ScipLidar;
 use floorguard_sim::robot::{
-    BodyPrism, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice, SensorMount,
-    Train,
+    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice,
+    SensorMount, SickModel, Train,
 };
-use floorguard_sim::sensors::SickModel;
 use floorguard_types::geometry::{Point2, Point3};
 
 /// How high the body is where the lidar does not say: this much below its mast, metres.
@@ -26,8 +24,8 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         ScannerModel::S300 => ScannerDevice::S300,
         ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
         ScannerModel::Ranging(ranging) => match ranging.model {
-            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(ScipLidar::Ust10lx),
-            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(ScipLidar::Urg04lx),
+            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(HokuyoModel::Ust),
+            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(HokuyoModel::Urg04lx),
             RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
             RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
         },

@@ -1,7 +1,6 @@
 //! What the user types. Human text goes to standard error, machine output to standard output.
 
 mod arguments;
-mod ask;
 #[cfg(feature = "laboratory")]
 mod campaign;
 #[cfg(feature = "laboratory")]
@@ -24,7 +23,6 @@ mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
-mod learn;
 mod lidar_metadata;
 mod live;
 mod live_camera;
@@ -47,14 +45,12 @@ mod simulate;
 mod sinks;
 #[cfg(feature = "laboratory")]
 mod tape;
-#[cfg(feature = "laboratory")]
-mod train;
-#[cfg(all(feature = "laboratory", feature = "detector"))]
-mod train_detector;
 mod values;
 
+pub use crate::learning::{AskArguments, AskQuestion, LearnArguments, PlaceArguments};
+#[cfg(feature = "laboratory")]
+pub use crate::learning::{TrainArguments, TrainPeopleArguments, TrainWhat};
 pub use arguments::{Arguments, Command};
-pub use ask::{AskArguments, AskQuestion};
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use check::CheckArguments;
@@ -67,7 +63,6 @@ pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
-pub use learn::{LearnArguments, PlaceArguments};
 pub use lidar_metadata::LidarMetadataArguments;
 pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
@@ -79,10 +74,8 @@ pub use run::RunArguments;
 pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use tape::TapeArguments;
-#[cfg(feature = "laboratory")]
-pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
-use crate::{doctor, mapping_commands, recordings, window};
+use crate::{doctor, learning, mapping_commands, recordings, window};
 
 /// Runs the command.
 ///
@@ -98,10 +91,10 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Mission(arguments)) => mission::run(&arguments),
-        Some(Command::Learn(arguments)) => learn::run(&arguments),
-        Some(Command::Ask(arguments)) => ask::run(&arguments),
+        Some(Command::Learn(arguments)) => learning::learn(&arguments),
+        Some(Command::Ask(arguments)) => learning::ask(&arguments),
         #[cfg(feature = "laboratory")]
-        Some(Command::Train(arguments)) => train::run(&arguments),
+        Some(Command::Train(arguments)) => learning::train(&arguments),
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),

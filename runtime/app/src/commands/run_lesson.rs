@@ -8,7 +8,7 @@ use floorguard_mapping::environment::WallTime;
 use floorguard_robot::environment::{Model, save, teach_run};
 use floorguard_types::geometry::Point2;
 
-use super::learn::{PlaceArguments, bad, bounds, open};
+use crate::learning::{PlaceArguments, bad, bounds, open};
 
 /// When the first simulated run begins by default.
 const FIRST_RUN: &str = "2026-04-06T08:00";

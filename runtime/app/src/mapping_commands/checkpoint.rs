@@ -46,6 +46,11 @@ impl Checkpoint {
             return Ok(());
         }
         self.written.set(Instant::now());
+        // The folder of the map is made when the map is whole; its parent may not be there yet.
+        if let Some(parent) = self.path.parent() {
+            let refused = |error| BadInput(format!("{}: cannot be made ({error})", parent.display()));
+            std::fs::create_dir_all(parent).map_err(refused)?;
+        }
         write_whole(&self.path, &mapper.checkpoint(scans, self.key))
     }
 

@@ -106,7 +106,7 @@ fn is_same([mean, far]: [f64; 2]) -> bool {
 }
 
 #[test]
-fn panel_looks_as_its_kept_pictures() {
+fn panel_equals_its_kept_pictures() {
     let Some(browser) = browser() else {
         println!("skipped: no Chromium is installed");
         return;

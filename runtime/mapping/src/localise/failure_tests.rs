@@ -138,7 +138,7 @@ fn other_floors_and_buildings_stay_unknown() {
 }
 
 #[test]
-fn spoiled_scans_raise_doubt() {
+fn corrupted_scans_raise_doubt() {
     let world = building(6);
     let mut random = Random::new(31);
     let whole = moments(&world, &path(&world, 32, 20.0), (0.0, Se2::default()), &mut random);

@@ -6,14 +6,12 @@ mod live;
 mod session;
 mod watch;
 mod window_map;
-mod wires;
 
 pub use boxes::{ReceivedBoxes, read_boxes};
 pub use live::{WindowLinks, watch_window};
 pub use session::Session;
 pub use watch::{WindowReport, WindowWatch};
 pub use window_map::{Refusals, Taken, WindowMap, WindowSetup};
-pub(crate) use wires::ScipWire;
 
 #[cfg(test)]
 mod live_tests;

@@ -9,7 +9,6 @@ use floorguard_runtime::tape::TapeLine;
 
 use super::latch_file::LatchFile;
 use super::tap::{Tap, Tapped};
-use crate::actuated::ScipWire;
 use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
 use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
@@ -17,7 +16,7 @@ use crate::navigator::NavigationSetup;
 use floorguard_configuration::{
     CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, ScipAddress, SerialAddress,
 };
-use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, UdpReceiver};
+use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, ScipWire, UdpReceiver};
 use floorguard_host::executor::Lateness;
 
 /// What the scanner is connected to, before the guard's thread opens it.

@@ -22,7 +22,7 @@ use super::maps::Maps;
 use super::model::{Model, PERIOD_S, times_of};
 use super::plan::{Journey, NavigationPlan};
 use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
-use super::reasons::StandingReason;
+use super::reasons::{StandingReason, is_standing};
 use super::senses::Senses;
 use super::setup::NavigationSetup;
 use super::space_inbox::SpaceInbox;
@@ -44,8 +44,6 @@ const STRAIGHT_S: f32 = 0.3;
 const FINDS_S: f32 = 6.0;
 /// The robot backs out so far, metres.
 const BACK_M: f32 = 1.0;
-/// Slower requests are standing, m/s and rad/s.
-pub(super) const STANDS: (f32, f32) = (0.03, 0.06);
 
 /// A drive to a goal.
 pub struct Navigator {
@@ -399,9 +397,4 @@ impl Mission for Navigator {
         self.report(moment, now_s);
         self.requested
     }
-}
-
-/// Slower than what counts as motion.
-pub(super) fn is_standing(twist: Twist2) -> bool {
-    twist.linear_mps.abs() < STANDS.0 && twist.angular_radps.abs() < STANDS.1
 }

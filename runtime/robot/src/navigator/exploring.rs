@@ -12,10 +12,11 @@ use floorguard_navigation::recovery::Recovery;
 use floorguard_types::geometry::{Point2, Pose2};
 
 use super::course::Course;
-use super::drive::{Navigator, is_standing};
+use super::drive::Navigator;
 use super::guard_model::place_of;
 use super::model::times_of;
 use super::progress::{ExplorationProgress, NavigationPhase};
+use super::reasons::is_standing;
 
 /// A goal is chosen anew this often, seconds.
 const DECIDE_S: f32 = 2.0;

@@ -3,8 +3,9 @@
 use floorguard_guard::{Cause, Decision};
 use floorguard_navigation::recovery::{Measure, RecoveryStep};
 use floorguard_runtime::tasks::MissionMoment;
+use floorguard_types::geometry::Twist2;
 
-use super::drive::{Navigator, is_standing};
+use super::drive::Navigator;
 use super::exploring::Exploring;
 use super::progress::NavigationPhase;
 
@@ -76,4 +77,12 @@ impl Navigator {
             _ => None,
         }
     }
+}
+
+/// Slower requests are standing, m/s and rad/s.
+const STANDS: (f32, f32) = (0.03, 0.06);
+
+/// Slower than what counts as motion.
+pub(super) fn is_standing(twist: Twist2) -> bool {
+    twist.linear_mps.abs() < STANDS.0 && twist.angular_radps.abs() < STANDS.1
 }

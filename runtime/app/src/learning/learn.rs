@@ -7,7 +7,7 @@ use clap::Args;
 use floorguard_mapping::environment::WallTime;
 use floorguard_types::geometry::Point2;
 
-use super::BadInput;
+use floorguard_host::outcome::BadInput;
 use floorguard_robot::environment::{
     Calendar, Lesson, Model, ReadTracks, TrackFormat, TrackReading, load, merge, pictures, read_tracks,
     read_zones, save, teach_recording,
@@ -61,7 +61,7 @@ pub struct PlaceArguments {
 /// Where the model is kept unless another file is named.
 pub const DEFAULT_MODEL: &str = "environment.floorguard";
 
-pub(super) fn bad(error: anyhow::Error) -> anyhow::Error {
+pub(crate) fn bad(error: anyhow::Error) -> anyhow::Error {
     BadInput(format!("{error:#}")).into()
 }
 
@@ -149,7 +149,7 @@ fn tell(model: &Model, (path, read): (&Path, &ReadTracks), (start, lesson): (Wal
     );
 }
 
-pub(super) fn bounds(all: impl Iterator<Item = (Point2, Point2)>) -> Option<(Point2, Point2)> {
+pub(crate) fn bounds(all: impl Iterator<Item = (Point2, Point2)>) -> Option<(Point2, Point2)> {
     all.reduce(|(low, high), (a, b)| {
         (
             Point2::new(low.x_m.min(a.x_m), low.y_m.min(a.y_m)),
@@ -159,7 +159,7 @@ pub(super) fn bounds(all: impl Iterator<Item = (Point2, Point2)>) -> Option<(Poi
 }
 
 /// The model on the disk, or a new one over the map or `bounds`.
-pub(super) fn open(place: &PlaceArguments, bounds: Option<(Point2, Point2)>) -> anyhow::Result<Model> {
+pub(crate) fn open(place: &PlaceArguments, bounds: Option<(Point2, Point2)>) -> anyhow::Result<Model> {
     let loaded = load(&place.model)?;
     let mut model = match loaded {
         Some(loaded) => {

@@ -7,7 +7,7 @@ use floorguard_laboratory::train::detector::{
     DetectorTraining, judge_detector, onnx_file, rendered_pictures, train_detector,
 };
 
-use super::BadInput;
+use floorguard_host::outcome::BadInput;
 
 /// How to train.
 #[derive(Clone, Debug, Args)]

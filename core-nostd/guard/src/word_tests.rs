@@ -2,7 +2,7 @@
 
 use std::string::ToString as _;
 
-use super::fixtures::{Rig, packet};
+use super::tests::fixtures::{Rig, packet};
 use crate::protection::{CauseRecord, Unit};
 use crate::*;
 use floorguard_types::geometry::Point2;

@@ -4,8 +4,8 @@ use std::format;
 use std::string::String;
 use std::vec::Vec;
 
-use super::{Cola, ScanTelegram, TIM5XX, TelegramError};
-use crate::ranging::{RangingEvent, RangingScanner};
+use super::{Cola, RangingEvent, RangingScanner, TIM5XX};
+use crate::cola::{ScanTelegram, TelegramError};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
 

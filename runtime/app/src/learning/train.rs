@@ -7,7 +7,7 @@ use floorguard_perception::legs::{KnownPlaces, LEG_CUES, Stump, near_floor_commi
 use floorguard_perception::people::shape::SHAPE_NAMES;
 use floorguard_sim::Scenario;
 
-use super::{BadInput, WrongUsage};
+use floorguard_host::outcome::{BadInput, WrongUsage};
 use floorguard_laboratory::evaluate::{in_any_room, learn_legs, recordings, training_samples};
 use floorguard_laboratory::train::{
     Boosting, Forest, LegSample, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online,

@@ -1,4 +1,4 @@
-//! Asks a sensor for its scans, and gives them with times of the robot's clock.
+//! SICK TiM5xx and LMS1xx as scanners: asked for their scans in CoLa A, given with times of the robot's clock.
 
 use floorguard_types::number::{nearest_f32, truncating_u32};
 use floorguard_types::profile::{List, Native, Profile};
@@ -7,8 +7,8 @@ use floorguard_types::time::Stamp;
 use floorguard_types::units::RADIANS_PER_DEGREE;
 use heapless::Vec;
 
-use super::telegram::{ScanTelegram, TELEGRAM_BYTES};
-use crate::ranging::{RangingEvent, RangingScanner};
+use super::contract::{RangingEvent, RangingScanner};
+use crate::cola::{ScanTelegram, TELEGRAM_BYTES};
 use crate::velodyne::HourClock;
 
 const START: u8 = 0x02;
@@ -40,6 +40,16 @@ pub const LMS1XX: ColaConfiguration =
     ColaConfiguration { range_mm: [500, 20_000], delay_us: 17_000, no_return_mm: 0 };
 
 /// One sensor.
+///
+/// ```
+/// use floorguard_drivers::ranging::{Cola, RangingScanner, TIM5XX};
+/// use floorguard_types::time::Stamp;
+///
+/// let mut scanner = Cola::new(TIM5XX);
+/// let mut sent = Vec::new();
+/// scanner.poll(Stamp::ZERO, &mut |bytes| sent.extend_from_slice(bytes), &mut |_| {});
+/// assert_eq!(sent, b"\x02sEN LMDscandata 1\x03");
+/// ```
 #[derive(Clone, Debug)]
 pub struct ColaOf<P: Profile> {
     configuration: ColaConfiguration,

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::{Args, Subcommand};
 
-use super::BadInput;
 use super::learn::DEFAULT_MODEL;
+use floorguard_host::outcome::BadInput;
 use floorguard_robot::environment::{
     Answer, Calendar, Model, Question, WeekHours, Zone, answer, load, pictures,
 };
