@@ -4,7 +4,7 @@
 pub const TELEGRAM_BYTES: usize = 12_288;
 /// Encoders that a sensor can report.
 const ENCODERS_MAX: u32 = 3;
-/// What one is told in the fields before the first distance.
+/// The second word of a telegram of scan data.
 const HEAD: &[u8] = b"LMDscandata";
 /// A factor of 1, as IEEE 754.
 const FACTOR_ONE: u32 = 0x3F80_0000;

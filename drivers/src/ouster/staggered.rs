@@ -10,7 +10,7 @@ use super::beams::SPREAD_MAX;
 struct Slot<P: Profile> {
     /// Which column, counted since the first packet.
     column: u64,
-    /// A measured column gave returns, or said that there are none.
+    /// A measured column looked there, with or without a return.
     is_measured: bool,
     returns: LidarColumnOf<P>,
 }

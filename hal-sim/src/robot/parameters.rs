@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
+use crate::wire::OusterFormat;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,19 +63,6 @@ pub enum LidarDevice {
     Ouster(OusterDevice),
     /// Any lidar of sixteen rings behind a bridge; elevations in thousandths of a degree, the lowest first.
     Bridged(&'static [i32; 16]),
-}
-
-/// How an Ouster packs its pixels (book, Ouster: Lidar packet).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OusterFormat {
-    /// `LEGACY`.
-    Legacy,
-    /// `RNG19_RFL8_SIG16_NIR16`.
-    Single,
-    /// `RNG19_RFL8_SIG16_NIR16_DUAL`.
-    Dual,
-    /// `RNG15_RFL8_NIR8`.
-    LowRate,
 }
 
 /// What an Ouster is: angles in thousandths of a degree, one of each a beam.

@@ -5,8 +5,8 @@ use floorguard_types::random::Pcg32;
 
 use super::View;
 use super::lidar::{receive, within_turn_rad};
-use crate::robot::{OusterDevice, OusterFormat};
-use crate::wire::OusterPacket;
+use crate::robot::OusterDevice;
+use crate::wire::{OusterFormat, OusterPacket};
 
 /// Ten turns a second.
 const TURN_NS: u64 = 100_000_000;

@@ -9,7 +9,7 @@ use crate::wire::{ColaHeader, cola_scan, cola_telegram};
 const SEND_US: u64 = 4_000;
 /// From a command to its answer, microseconds.
 const ANSWER_US: u64 = 2_000;
-/// What is told to send scans.
+/// The command to send scans.
 const ASK: &[u8] = b"sEN LMDscandata 1";
 const NOISE_M: f32 = 0.012;
 

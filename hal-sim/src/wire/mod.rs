@@ -21,7 +21,7 @@ pub use microscan3::{
     BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
     encode_scan_message, scan_datagrams,
 };
-pub use ouster::OusterPacket;
+pub use ouster::{OusterFormat, OusterPacket};
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use scip::{scip_line, scip_number, scip_reply, scip_scan};
 pub use velocity::{HeardPermit, SentVelocity, TakenVelocity, motion_report};

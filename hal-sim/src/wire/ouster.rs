@@ -1,8 +1,19 @@
 //! Ouster lidar packets (book, Ouster: Lidar packet).
 
-use crate::robot::OusterFormat;
-
 const AROUND_BYTES: usize = 32;
+
+/// How an Ouster packs its pixels (book, Ouster: Lidar packet).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OusterFormat {
+    /// `LEGACY`.
+    Legacy,
+    /// `RNG19_RFL8_SIG16_NIR16`.
+    Single,
+    /// `RNG19_RFL8_SIG16_NIR16_DUAL`.
+    Dual,
+    /// `RNG15_RFL8_NIR8`.
+    LowRate,
+}
 
 /// A lidar packet under construction: every column measured, without a return.
 #[derive(Clone, Debug)]
