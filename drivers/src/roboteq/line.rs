@@ -120,7 +120,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// As the manual writes them: `!S nn mm`, `?S`, `?C`, `?FF`, `^RWD nn`, `~RWD`, `!EX`, `!MG`; "^RWD 2000: set watchdog to 2 s".
+    /// As the manual writes them: `!S nn mm`, `?S`, `?C`, `?FF`, `^RWD nn`, `~RWD`, `!EX`, `!MG`; with the number 2000 the watchdog waits 2 s.
     #[test]
     fn commands_are_those_of_the_manual() {
         let table = [

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coarse_cells_are_the_largest_of_their_fine_ones() {
+    fn coarse_cells_hold_their_largest_fine_value() {
         let geometry = GridGeometry::new(40, 30, 0.05, Point2::new(-1.0, -0.5)).unwrap();
         let storage = || vec![0_u8; geometry.cell_count()];
         let mut field = MatchField::new(geometry, [storage(), storage()], 0.25).unwrap();

@@ -46,7 +46,13 @@ fn mission_is_in_recording_and_report() {
     let report = report.expect("the program starts");
     assert!(report.status.success(), "{report:?}");
     let page = std::fs::read_to_string(path.with_extension("html")).expect("the page");
-    for words in ["Cleaning mission", "<b>50.0 %</b>of the dirty floor", "Claimed clean", "before", "after"] {
+    for words in [
+        "Cleaning mission",
+        "<b>50.0 %</b>of the dirty floor",
+        "Green: cleaned in this run",
+        "before",
+        "after",
+    ] {
         assert!(page.contains(words), "{words}");
     }
     assert!(page.contains("#7fb77e"), "no green: nothing is shown as clean");

@@ -49,7 +49,7 @@ fn floorguard(words: &[String], folder: &Path) -> (Output, String) {
 
 /// From an empty file to the guard that stops the robot.
 #[test]
-fn robot_of_the_page_is_stopped_by_the_guard() {
+fn guard_stops_the_robot_of_the_page() {
     let (page, folder) = (page(), tempfile::tempdir().unwrap());
     let file = folder.path().join("robot.toml");
     let check = typed(&page, "floorguard check");

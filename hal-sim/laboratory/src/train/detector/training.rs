@@ -10,7 +10,7 @@ use super::pictures::{LabelledPerson, LabelledPicture};
 /// Pictures of a step.
 const BATCH: usize = 8;
 /// Rate of the first step; it falls to nothing along half a cosine.
-const RATE: f32 = 0.01;
+const RATE: f32 = 0.003;
 
 /// How to train.
 #[derive(Clone, Copy, Debug)]
@@ -61,11 +61,13 @@ pub fn train_detector(
     let mut random = Pcg32::new(training.seed, 78);
     let mut order: Vec<usize> = (0..pictures.len()).collect();
     let (mut shown, all) = (0_usize, (training.rounds * pictures.len()).max(1));
+    // The loss of so few pictures does not fall in every round: what is kept is what the best round began with.
+    let mut best: Option<(f32, Network)> = None;
     for round in 0..training.rounds {
         for place in (1..order.len()).rev() {
             order.swap(place, random.below(place as u32 + 1) as usize);
         }
-        let mut sum = 0.0;
+        let (mut sum, before) = (0.0, network.clone());
         for batch in order.chunks(BATCH) {
             for index in batch {
                 let (planes, people) = varied(&pictures[*index], &mut random);
@@ -79,9 +81,13 @@ pub fn train_detector(
             network.descend(rate, batch.len());
             shown += batch.len();
         }
-        each(round, sum / order.len().max(1) as f32);
+        let cost = sum / order.len().max(1) as f32;
+        each(round, cost);
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, before));
+        }
     }
-    network
+    best.map_or(network, |(_, network)| network)
 }
 
 /// Planes of the frame: mirrored in half of the cases, in another light and other colours.
