@@ -48,7 +48,8 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(true);
         }
     };
-    let built = ["build", "--quiet", "--package", "floorguard", "--features", "ros2"];
+    // With the features of the tests, as `program::built`: otherwise most dependencies are compiled twice.
+    let built = ["build", "--quiet", "--workspace", "--bin", "floorguard", "--features", "floorguard/ros2"];
     ensure!(shell::succeeds(shell::cargo().args(built))?, "the robot's program was not built");
     let domain = DOMAINS.start + std::process::id() % (DOMAINS.end - DOMAINS.start);
     let mut robot = robot(&domain.to_string())?;
