@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn replies_are_told_from_echoes() {
+    fn replies_differ_from_echoes() {
         let table: [(&[u8], Option<RoboteqReply>); 12] = [
             (b"S=100:-200", Some(RoboteqReply::Speeds([100, -200]))),
             (b"C=-2147483648:2147483647", Some(RoboteqReply::Counts([i32::MIN, i32::MAX]))),
