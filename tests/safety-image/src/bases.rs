@@ -1,19 +1,16 @@
-//! A base with a CiA 402 drive on each wheel, and the motor of a lidar: they run on a Linux computer, and are read like the rest.
+//! A base with a CiA 402 drive on each wheel: it runs on a Linux computer, and is read like the rest.
 
 use core::hint::black_box;
 
 use floorguard_drivers::can::{CanFrame, encode_slcan};
-use floorguard_drivers::scan_motor::{ScanMotor, ScanMotorConfiguration};
 use floorguard_drivers::wheel_drives::{WheelCommand, WheelDrives, WheelDrivesConfiguration};
 use floorguard_types::time::Stamp;
 
-/// State of the bases and of the motor.
+/// State of the base.
 pub struct Bases {
     wheels: WheelDrives,
     wheels_configuration: WheelDrivesConfiguration,
     command: WheelCommand,
-    scan_motor: ScanMotor,
-    scan_motor_configuration: ScanMotorConfiguration,
     frame: CanFrame,
 }
 
@@ -23,7 +20,6 @@ pub fn all(state: &mut Bases, now: Stamp) {
     root_wheels_start(&mut state.wheels, state.wheels_configuration);
     root_wheels_frame(&mut state.wheels, &state.frame, now);
     root_wheels_poll(&mut state.wheels, state.command, now);
-    root_scan_motor(state, now);
 }
 
 fn send(frame: &CanFrame) {
@@ -51,14 +47,4 @@ fn root_wheels_poll(base: &mut WheelDrives, command: WheelCommand, now: Stamp) {
         black_box(&event);
     };
     base.poll(now, &mut event, &mut send);
-}
-
-#[inline(never)]
-fn root_scan_motor(state: &mut Bases, now: Stamp) {
-    state.scan_motor = ScanMotor::new(state.scan_motor_configuration);
-    let mut event = |event| {
-        black_box(&event);
-    };
-    state.scan_motor.on_frame(&state.frame, now, &mut event);
-    state.scan_motor.poll(now, &mut event, &mut send);
 }
