@@ -1,4 +1,4 @@
-//! Speeds of wheels on a plain serial line, for motor controllers that anybody builds (book, Motor controllers: Wheel line): text, a sequence, a checksum,
+//! Speeds of wheels on a plain serial line, for custom motor controllers (book, Motor controllers: Wheel line): text, a sequence, a checksum,
 //! and a deadline after which the controller stops by itself. `examples/wheel_line.py` is the reference.
 
 mod line;

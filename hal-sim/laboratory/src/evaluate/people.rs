@@ -173,7 +173,7 @@ fn retime(sweep: &mut Sweep, recorded: &Sweep, end: Stamp) {
     (sweep.stamp, sweep.end_stamp) = (end.minus_micros(took_us), end);
 }
 
-/// Claims that fit no keyed person, and none whom the key leaves out for a moment.
+/// Claims that fit no keyed person, and no person whom the key omits for a moment.
 fn false_claims(claims: &[(u64, Point2)], pairs: &[(usize, usize)], between: &[Point2]) -> usize {
     let is_unkeyed = |column: usize| pairs.iter().all(|(_, claim)| *claim != column);
     let is_excused = |place: Point2| between.iter().any(|person| person.distance(place) <= GATE_M as f32);

@@ -10,7 +10,7 @@ use crate::se2::Se2;
 /// A loop that is off by less is closed by the alignment, metres.
 const REACH_OF_ALIGNMENT_M: f64 = 0.2;
 
-/// With every so many pairs that wait, one more step of the search is taken with a scan.
+/// Pairs in the queue for which each scan takes one more step of the search.
 const PAIRS_A_STEP: usize = 4;
 
 /// All settings.
