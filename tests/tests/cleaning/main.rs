@@ -9,3 +9,4 @@ mod navigation_drive;
 mod navigation_exploration;
 mod navigation_paths;
 mod navigation_prediction;
+mod navigation_tour;

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::exploration_outcome::ExplorationReport;
 use super::standing_cause::StandingMoment;
+use super::tour_outcome::{TourJudge, TourReport};
 
 /// Slower than this is standing, m/s and rad/s.
 const MOVES: (f32, f32) = (0.02, 0.02);
@@ -59,6 +60,9 @@ pub struct NavigationReport {
     pub plans: u32,
     /// How often each measure of recovery was taken.
     pub measures: BTreeMap<String, u32>,
+    /// What came of the tour, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tour: Option<TourReport>,
     /// What came of the map, if the robot was to make one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exploration: Option<ExplorationReport>,
@@ -76,6 +80,9 @@ impl NavigationReport {
         if self.unreasoned_s > UNREASONED_MAX_S {
             return Some(format!("the robot stood for {:.1} s and named no true reason", self.unreasoned_s));
         }
+        if let Some(shortfall) = self.tour.as_ref().and_then(TourReport::shortfall) {
+            return Some(shortfall);
+        }
         if let Some(exploration) = &self.exploration {
             return exploration.shortfall(&self.reason);
         }
@@ -86,9 +93,12 @@ impl NavigationReport {
     /// In one line, for people.
     #[must_use]
     pub fn words(&self) -> String {
-        let end = match &self.exploration {
-            Some(exploration) => exploration.words(),
-            None => format!("{:.2} m and {:.0} degrees off the goal", self.off_goal_m, self.off_goal_deg),
+        let end = match (&self.exploration, &self.tour) {
+            (Some(exploration), _) => exploration.words(),
+            (None, Some(tour)) => tour.words(),
+            (None, None) => {
+                format!("{:.2} m and {:.0} degrees off the goal", self.off_goal_m, self.off_goal_deg)
+            }
         };
         format!(
             "{} after {:.0} s, {:.1} m driven, {:.2} m/s in the mean, stood {:.0} % of the time; {end}",
@@ -111,20 +121,23 @@ pub struct NavigationJudge {
     report: NavigationReport,
     standing_s: f64,
     stretch_s: f64,
+    tour: Option<TourJudge>,
 }
 
 impl NavigationJudge {
     /// For a plan.
     #[must_use]
     pub fn new(plan: &NavigationPlan) -> Self {
+        let within = (plan.settings.within_m + ALLOWED.0, plan.settings.within_rad + ALLOWED.1);
         Self {
-            goal: plan.goal_pose(),
-            within: (plan.settings.within_m, plan.settings.within_rad),
+            goal: plan.places_in_map().last().copied().unwrap_or_else(|| plan.goal_pose()),
+            within,
             newest: None,
             robot: plan.start_pose(),
             report: NavigationReport::default(),
             standing_s: 0.0,
             stretch_s: 0.0,
+            tour: TourJudge::of(&plan.places_in_map(), within),
         }
     }
 
@@ -153,6 +166,9 @@ impl NavigationJudge {
         let step_m = (truth.robot.x_m - before.x_m).hypot(truth.robot.y_m - before.y_m);
         self.report.distance_m += f64::from(step_m);
         let stands = truth.twist.linear_mps.abs() < MOVES.0 && truth.twist.angular_radps.abs() < MOVES.1;
+        if let Some(tour) = &mut self.tour {
+            tour.observe(truth.robot, stands.then_some(STEP_S));
+        }
         if !stands {
             self.stretch_s = 0.0;
             return;
@@ -181,14 +197,17 @@ impl NavigationJudge {
         report.off_goal_m = Point2::new(robot.x_m, robot.y_m).distance(Point2::new(goal.x_m, goal.y_m));
         let off_rad = wrap_angle(robot.heading_rad - goal.heading_rad).abs();
         report.off_goal_deg = off_rad.to_degrees();
-        let is_there = report.off_goal_m <= self.within.0 + ALLOWED.0 && off_rad <= self.within.1 + ALLOWED.1;
+        let is_there = report.off_goal_m <= self.within.0 && off_rad <= self.within.1;
         let Some(progress) = &self.newest else {
             "starting".clone_into(&mut report.phase);
             "the drive never began".clone_into(&mut report.reason);
             return report;
         };
+        report.tour = self.tour.as_ref().map(|tour| tour.judge(progress.tour.unwrap_or_default()));
+        let is_there = report.tour.as_ref().map_or(is_there, TourReport::is_whole);
         let claims = progress.phase == NavigationPhase::Reached;
-        (report.reached, report.false_claim) = (claims && is_there, claims && !is_there);
+        (report.reached, report.false_claim) =
+            (claims && is_there, claims && !is_there && report.tour.is_none());
         report.reached |= progress.phase == NavigationPhase::Explored;
         progress.phase.name().clone_into(&mut report.phase);
         report.reason.clone_from(&progress.words);

@@ -209,6 +209,17 @@ impl Plan {
         Ok(self)
     }
 
+    /// With places to look from, one after another, instead of the route.
+    ///
+    /// # Errors
+    /// No place is given, or the scene makes no map.
+    pub fn touring(self, places_in_map: &[Pose2]) -> anyhow::Result<Self> {
+        let [first, rest @ ..] = places_in_map else { anyhow::bail!("a tour needs a place") };
+        let mut plan = self.navigating(*first)?;
+        plan.navigation = plan.navigation.map(|drive| drive.touring(rest));
+        Ok(plan)
+    }
+
     /// Driving where somebody outside orders, from its start on.
     ///
     /// # Errors

@@ -34,6 +34,11 @@ pub enum Command {
         after_help = "Examples:\n  floorguard goto 14.5 4.5 90\n  floorguard goto 14.5 4.5 90 robot.toml --json --record drive.mcap"
     )]
     Goto(super::GotoArguments),
+    /// Drive the robot on real devices to one place of its map after another, and look from each: what people hid is seen.
+    #[command(
+        after_help = "Examples:\n  floorguard tour clean/revisits.csv robot.toml --record revisit.mcap\n  floorguard simulate --scenario office --tour places.csv --duration 600"
+    )]
+    Tour(super::TourArguments),
     /// Let the robot find its way over floor of which there is no map, until nothing that it can reach is unknown, and write the
     /// map.
     #[command(

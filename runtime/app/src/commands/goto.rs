@@ -78,10 +78,17 @@ pub(super) fn navigation_of(
     let refuse = |error: anyhow::Error| BadInput(format!("{}: [navigation]: {error:#}", file.display()));
     let section: Option<&NavigationConfiguration> = configuration.navigation.as_ref();
     let missing = || anyhow::anyhow!("the section is missing; write [navigation] with map = \"hall.yaml\"");
+    let orders = matches!(errand, Errand::Ordered).then(DriveOrders::default);
     let plan = match errand {
         Errand::Goal(goal) => {
             let section = section.ok_or_else(missing).map_err(refuse)?;
             NavigationPlan::of_configuration(section, folder, goal)
+        }
+        Errand::Tour(places) => {
+            let section = section.ok_or_else(missing).map_err(refuse)?;
+            let first = places.first().copied().unwrap_or_default();
+            let plan = NavigationPlan::of_configuration(section, folder, first);
+            plan.map(|plan| plan.touring(places.get(1..).unwrap_or_default()))
         }
         Errand::Ordered => {
             let section = section.ok_or_else(missing).map_err(refuse)?;
@@ -97,7 +104,6 @@ pub(super) fn navigation_of(
         }
     };
     let plan = plan.map_err(refuse)?;
-    let orders = matches!(errand, Errand::Ordered).then(DriveOrders::default);
     let setup = NavigationSetup::new(plan).ordered_by(orders);
     setup.begin(&configuration.robot).map_err(refuse)?;
     Ok(Some(setup))

@@ -40,9 +40,12 @@ mod run_lesson;
 #[cfg(feature = "laboratory")]
 mod simulate;
 #[cfg(feature = "laboratory")]
+mod simulated_places;
+#[cfg(feature = "laboratory")]
 mod sinks;
 #[cfg(feature = "laboratory")]
 mod tape;
+mod tour;
 mod values;
 
 #[cfg(feature = "laboratory")]
@@ -71,6 +74,7 @@ pub use run::RunArguments;
 pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use tape::TapeArguments;
+pub use tour::TourArguments;
 
 use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports, window};
 
@@ -110,6 +114,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Tape(arguments)) => tape::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Goto(arguments)) => goto::run(&arguments),
+        Some(Command::Tour(arguments)) => tour::run(&arguments),
         Some(Command::Explore(arguments)) => explore::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Demo(arguments)) => demo::run(&arguments),

@@ -116,10 +116,12 @@ fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<Wi
 }
 
 /// What a run is for, where it ends by itself.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) enum Errand {
     /// To drive there.
     Goal(Pose2),
+    /// To look from these places, one after another; at least one.
+    Tour(Vec<Pose2>),
     /// To drive where somebody outside orders.
     Ordered,
     /// To map a square of this side around the start, metres.

@@ -10,9 +10,8 @@ use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
-use floorguard_types::geometry::Pose2;
 
-use super::choices::{DrivingPlanner, FittedLidar, FittedScanner};
+use super::choices::{FittedLidar, FittedScanner};
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::fleet::fleet_broker;
 use super::live::status_of;
@@ -20,8 +19,9 @@ use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
 use super::ros2::RosWay;
 use super::run_lesson::RunLesson;
+use super::simulated_places::PlacesArguments;
 use super::sinks::{SinkOutputs, open_sinks};
-use super::values::{command_address, goal, panel_address, parse_span, simulated_seconds};
+use super::values::{command_address, panel_address, parse_span, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, FleetConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
@@ -54,14 +54,9 @@ pub struct SimulateArguments {
     /// End as soon as the mission has nothing left to clean; --duration is then the longest that it may take.
     #[arg(long, conflicts_with = "tape")]
     pub until_clean: bool,
-    /// Drive to this place of the scenario's map instead of cleaning or the route, x and y in metres, heading in degrees:
-    /// `--navigate 14.5,4.5,90`. The run ends at the goal, or when the robot gives up; --duration is then the longest that it may
-    /// take. `[navigation]` of --robot says how.
-    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = goal, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io"])]
-    pub navigate: Option<Pose2>,
-    /// With --navigate: drive with this planner, whatever [navigation] says.
-    #[arg(long, value_enum, requires = "navigate")]
-    pub planner: Option<DrivingPlanner>,
+    /// Where to drive instead.
+    #[command(flatten)]
+    pub places: PlacesArguments,
     /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
     #[arg(long)]
     pub fault: Vec<String>,
@@ -116,10 +111,10 @@ pub struct SimulateArguments {
     pub live: LiveOutputs,
     /// In real time, drive where the master of a fleet orders (VDA 5050 over MQTT) instead of cleaning or the route:
     /// `--fleet 127.0.0.1:1883/robot-7`. Needs the feature `fleet`.
-    #[arg(long, value_name = "HOST:PORT/SERIAL", value_parser = fleet_broker, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "navigate", "command"])]
+    #[arg(long, value_name = "HOST:PORT/SERIAL", value_parser = fleet_broker, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "driven", "command"])]
     pub fleet: Option<FleetConfiguration>,
     /// With --ros2, drive where /goal_pose orders instead of cleaning or the route.
-    #[arg(long, requires = "ros2", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "navigate", "command", "fleet"])]
+    #[arg(long, requires = "ros2", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "driven", "command", "fleet"])]
     pub ros2_goals: bool,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
@@ -212,12 +207,7 @@ fn repeat(arguments: &SimulateArguments) -> String {
     {
         option("scanner", value.get_name());
     }
-    if let Some(goal) = arguments.navigate {
-        option("navigate", &format!("{},{},{}", goal.x_m, goal.y_m, goal.heading_rad.to_degrees()));
-    }
-    if let Some(planner) = arguments.planner.and_then(|planner| planner.to_possible_value()) {
-        option("planner", planner.get_name());
-    }
+    arguments.places.repeat(&mut option);
     if let Some(robot) = &arguments.robot {
         option("robot", &robot.display().to_string());
     }
@@ -262,11 +252,8 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     plan.command.clone_from(&arguments.command);
     if arguments.fleet.is_some() || arguments.ros2_goals {
         plan = plan.ordered()?;
-    } else if let Some(goal) = arguments.navigate {
-        if let Some(planner) = arguments.planner {
-            plan.navigation_settings.uses_dwa = planner == DrivingPlanner::Dwa;
-        }
-        plan = plan.navigating(goal)?;
+    } else if arguments.places.are_given() {
+        plan = arguments.places.plan(plan)?;
     } else if arguments.tape.is_none() && plan.command.is_none() {
         plan = plan.cleaning(arguments.strategy)?;
     }

@@ -9,7 +9,7 @@ use floorguard_navigation::local::{LocalCommand, LocalVerdict};
 use floorguard_navigation::recovery::{Measure, Obstruction, Recovery, RecoveryMoment, RecoveryStep, Trail};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{Mission, MissionMoment};
-use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
+use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
 
@@ -27,6 +27,7 @@ use super::senses::Senses;
 use super::setup::NavigationSetup;
 use super::space_inbox::SpaceInbox;
 use super::steering::{Steering, SteeringMoment, is_followed};
+use super::touring::Tour;
 
 /// The global costs are made anew this often, seconds.
 const REFRESH_S: f32 = 1.0;
@@ -84,6 +85,7 @@ pub struct Navigator {
     pub(super) reported: Option<(NavigationPhase, bool)>,
     pub(super) orders: Option<DriveOrders>,
     pub(super) goal_number: u32,
+    pub(super) tour: Option<Tour>,
 }
 
 impl Navigator {
@@ -138,6 +140,7 @@ impl Navigator {
             reported: None,
             orders: orders.clone(),
             goal_number: 0,
+            tour: Tour::of(&plan.tour),
         })
     }
 
@@ -246,23 +249,6 @@ impl Navigator {
         LocalCommand::stand(LocalVerdict::NoPath)
     }
 
-    pub(super) fn is_at_goal(&self, pose: Pose2) -> bool {
-        let goal = self.plan.goal_pose();
-        let turn_rad = wrap_angle(goal.heading_rad - pose.heading_rad).abs();
-        let off_m = place_of(pose).distance(place_of(goal));
-        off_m <= self.plan.settings.within_m && turn_rad <= self.plan.settings.within_rad
-    }
-
-    /// The robot stands at a goal that was given.
-    fn has_arrived(&mut self, pose: Pose2) -> bool {
-        let stands = is_standing(self.senses.motion().twist);
-        let is_there = self.exploring.is_none() && stands && self.is_at_goal(pose);
-        if is_there {
-            self.phase = NavigationPhase::Reached;
-        }
-        is_there
-    }
-
     fn obstruction(&self, command: &LocalCommand) -> Option<Obstruction> {
         let is_slow = is_standing(command.twist);
         match command.verdict {
@@ -324,6 +310,9 @@ impl Navigator {
         let pose = self.senses.pose();
         self.maps.stand_on(&self.model.outline, pose);
         self.choose_goal(pose, now_s);
+        if self.looks_around(pose, now_s) {
+            return Twist2::ZERO;
+        }
         if self.has_arrived(pose) || self.phase.stands() {
             return Twist2::ZERO;
         }
@@ -392,6 +381,7 @@ impl Mission for Navigator {
         } else if now_s >= self.next_s {
             self.next_s = now_s + PERIOD_S - 0.001;
             self.requested = self.decide(now_s);
+            self.leave_out_unreachable();
         }
         self.standing = self.standing_reason(moment);
         self.report(moment, now_s);

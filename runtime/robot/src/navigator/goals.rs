@@ -93,7 +93,7 @@ impl Navigator {
         self.begin_anew(NavigationPhase::Waiting);
     }
 
-    fn begin_anew(&mut self, phase: NavigationPhase) {
+    pub(super) fn begin_anew(&mut self, phase: NavigationPhase) {
         self.phase = phase;
         self.course = Course::default();
         self.recovery = Recovery::new(times_of(&self.plan.settings));

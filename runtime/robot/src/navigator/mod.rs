@@ -19,13 +19,14 @@ mod setup;
 mod space_inbox;
 mod steering;
 mod survey;
+mod touring;
 
 pub use drive::Navigator;
 pub use goals::{DriveOrder, DriveOrders, OrderedGoal};
 pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
     CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch,
-    SharedNavigationWatch,
+    SharedNavigationWatch, TourProgress,
 };
 pub use reasons::StandingReason;
 pub use setup::NavigationSetup;

@@ -76,6 +76,9 @@ pub struct NavigationPlan {
     /// The map is empty: the robot makes one, and chooses its goals itself until nothing that it can reach is unknown.
     #[serde(default)]
     pub explores: bool,
+    /// Places to look from after the goal, one after another, as the goal.
+    #[serde(default)]
+    pub tour: Vec<[f32; 3]>,
     map: MapRuns,
 }
 
@@ -85,7 +88,13 @@ impl NavigationPlan {
     pub fn on_map(settings: NavigationSettings, journey: Journey, (map, seed): (&OccupancyMap, u64)) -> Self {
         let numbers = |pose: Pose2| [pose.x_m, pose.y_m, pose.heading_rad];
         let (start, goal) = (numbers(journey.start_in_map), numbers(journey.goal_in_map));
-        Self { settings, start, goal, seed, explores: false, map: MapRuns::of(map) }
+        Self { settings, start, goal, seed, explores: false, tour: Vec::new(), map: MapRuns::of(map) }
+    }
+
+    /// The same, with places to look from after the goal.
+    #[must_use]
+    pub fn touring(self, places: &[Pose2]) -> Self {
+        Self { tour: places.iter().map(|pose| [pose.x_m, pose.y_m, pose.heading_rad]).collect(), ..self }
     }
 
     /// From a pose on over floor of which nothing is known, as far as a square of this side around it, metres.
@@ -130,6 +139,13 @@ impl NavigationPlan {
     pub fn start_pose(&self) -> Pose2 {
         let [x_m, y_m, heading_rad] = self.start;
         Pose2::new(x_m, y_m, heading_rad)
+    }
+
+    /// The goal and the places after it, map frame.
+    #[must_use]
+    pub fn places_in_map(&self) -> Vec<Pose2> {
+        let rest = self.tour.iter().map(|[x_m, y_m, heading_rad]| Pose2::new(*x_m, *y_m, *heading_rad));
+        std::iter::once(self.goal_pose()).chain(rest).collect()
     }
 
     /// Where it shall be, map frame.

@@ -87,6 +87,17 @@ pub struct ExplorationProgress {
     pub goals: u32,
 }
 
+/// How far a tour is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TourProgress {
+    /// Places to look from.
+    pub places: u32,
+    /// Places that the robot stood at and looked from.
+    pub seen_from: u32,
+    /// Places that no way was found to.
+    pub left_out: u32,
+}
+
 /// A drive at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NavigationProgress {
@@ -122,6 +133,8 @@ pub struct NavigationProgress {
     pub measures: BTreeMap<&'static str, u32>,
     /// What is left to explore; none on a known map.
     pub exploration: Option<ExplorationProgress>,
+    /// How many places of a tour are done; none for a single goal.
+    pub tour: Option<TourProgress>,
     /// The costmap around the robot; the newest one that was made.
     pub costmap: Option<Arc<CostmapImage>>,
 }

@@ -8,6 +8,7 @@ use floorguard_types::geometry::Twist2;
 use super::drive::Navigator;
 use super::exploring::Exploring;
 use super::progress::NavigationPhase;
+use super::touring::Tour;
 
 /// Why the robot stands. Everything that the drive can do about it has a name here; a robot that stands for no such reason is at
 /// fault.
@@ -21,7 +22,7 @@ pub enum StandingReason {
     Guard(Option<Cause>),
     /// It does something about an obstruction.
     Recovery(RecoveryStep),
-    /// It is where a frontier is in sight, and waits for the scans that show more.
+    /// It is where a frontier is in sight, or at a place of a tour, and waits for the scans that show more.
     Looking,
     /// It is at its goal, was given up, or waits for an order.
     Ended,
@@ -48,7 +49,7 @@ impl std::fmt::Display for StandingReason {
                 Some(obstruction) => write!(f, "{}: {obstruction}", step.measure.words()),
                 None => write!(f, "{}", step.measure.words()),
             },
-            Self::Looking => write!(f, "observes what lies beyond known floor"),
+            Self::Looking => write!(f, "observes what can be seen from here"),
             Self::Ended => write!(f, "the drive has ended"),
         }
     }
@@ -70,6 +71,7 @@ impl Navigator {
                     .decision
                     .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
             ),
+            _ if self.tour.as_ref().is_some_and(Tour::is_looking) => Some(StandingReason::Looking),
             (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
             _ if self.exploring.as_ref().is_some_and(Exploring::is_observing) => {
                 Some(StandingReason::Looking)

@@ -9,6 +9,7 @@ use floorguard_types::motion::Waypoint;
 use super::drive::Navigator;
 use super::exploring::Exploring;
 use super::progress::{CostmapImage, NavigationPhase, NavigationProgress};
+use super::touring::Tour;
 
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 0.2;
@@ -50,6 +51,7 @@ impl Navigator {
             plans: self.plans,
             measures: self.measures.clone(),
             exploration: self.exploring.as_ref().map(|exploring| exploring.progress),
+            tour: self.tour.as_ref().map(|tour| tour.progress),
             costmap: self.costmap.clone(),
         }
     }
@@ -60,7 +62,9 @@ impl Navigator {
                 self.exploring.as_ref().map(Exploring::words).unwrap_or_default()
             }
             (NavigationPhase::Waiting, ..) => "waits for an order".to_owned(),
-            (NavigationPhase::Reached, ..) => "the goal is reached".to_owned(),
+            (NavigationPhase::Reached, ..) => {
+                self.tour.as_ref().map_or_else(|| "the goal is reached".to_owned(), Tour::words)
+            }
             (NavigationPhase::Unreachable, Some(failure), _) => format!("{failure}, by the map alone"),
             (_, _, Some(standing)) => standing.to_string(),
             _ if self.exploring.is_some() => {
