@@ -8,6 +8,7 @@ mod history;
 mod mission;
 mod pdf;
 mod proof;
+mod proof_section;
 mod sheet;
 mod sketch;
 mod slider;
