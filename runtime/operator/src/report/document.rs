@@ -23,10 +23,11 @@ pub fn document(history: &History, circumstances: &Circumstances, language: Lang
     let name = circumstances.recording.as_str();
     let title = history.texts.get("title").cloned().unwrap_or_else(|| name.to_owned());
     let say = |words: &'static str| language.say(words);
+    let footprint = footprint(history);
     let mut html = style::head_in(language, &title);
     head(&mut html, history, (name, language));
     html.push_str(&proof_section::section(&proof(history, circumstances, language), language));
-    let picture = map(&sketch::overview(history, language)) + &slider::slider(history, language);
+    let picture = map(&sketch::overview(history, language)) + &slider::slider(history, &footprint, language);
     section(&mut html, say("Map, path and stops"), &picture, say(OVERVIEW_LEGEND));
     mission::section(&mut html, history, language);
     let speeds: Vec<_> =
@@ -36,7 +37,7 @@ pub fn document(history: &History, circumstances: &Circumstances, language: Lang
     // A bag of somebody else's robot knows of no guard: its stops are unknown.
     if history.speeds.iter().any(|speed| speed.limit_mps.is_some()) || !history.stops.is_empty() {
         section(&mut html, say("Speed and limit"), &chart(&speeds), say(SPEED_LEGEND));
-        stops(&mut html, history, language);
+        stops(&mut html, history, (&footprint, language));
     } else {
         section(&mut html, say("Speed"), &chart(&speeds), say("Line: measured speed in m/s."));
     }
@@ -116,7 +117,7 @@ fn head(html: &mut String, history: &History, (name, language): (&str, Language)
     ]));
 }
 
-fn stops(html: &mut String, history: &History, language: Language) {
+fn stops(html: &mut String, history: &History, (footprint, language): (&[Point2], Language)) {
     let heading = language.fill("Stops ({})", &[&history.stops.len().to_string()]);
     let _ = write!(html, "<h2>{heading}</h2>");
     if history.stops.is_empty() {
@@ -135,16 +136,20 @@ fn stops(html: &mut String, history: &History, language: Language) {
         let _ = write!(html, "<tr><td>{}<td class=num>{count}</tr>", escaped(&language.begin(cause)));
     }
     html.push_str("</table>");
-    let toml = history.texts.get("robot.toml");
-    let robot = toml.and_then(|text| floorguard_configuration::parse_recorded("robot.toml", text).ok());
-    let footprint: Vec<Point2> = robot
-        .map(|parsed| parsed.configuration.robot.geometry.footprint.iter().copied().collect())
-        .unwrap_or_default();
     for (index, stop) in history.stops.iter().enumerate() {
-        one_stop(html, (index + 1, stop), (&footprint, language));
+        one_stop(html, (index + 1, stop), (footprint, language));
     }
     held(html, history, language);
     let _ = write!(html, "<p class=legend>{}</p>", language.say(STOPS_LEGEND));
+}
+
+/// Outline of the body that the recording names.
+fn footprint(history: &History) -> Vec<Point2> {
+    let toml = history.texts.get("robot.toml");
+    let robot = toml.and_then(|text| floorguard_configuration::parse_recorded("robot.toml", text).ok());
+    robot
+        .map(|parsed| parsed.configuration.robot.geometry.footprint.iter().copied().collect())
+        .unwrap_or_default()
 }
 
 /// What held the robot one after another, and what came of the resets.

@@ -201,8 +201,8 @@ pub fn overview(history: &History, language: Language) -> String {
 const MOMENTS_MAX: usize = 2_000;
 
 /// The moments of the run in pixels of the overview: seconds, robot x, y, heading in degrees, speed, and x, y and number of each
-/// person; as text for a script.
-pub fn moments(history: &History) -> String {
+/// person, the number of the fields and what the scanner saw; as text for a script. Beside it pixels a metre.
+pub fn moments(history: &History) -> (String, f32) {
     let frame = everything(history, &map(&history.scans));
     let every = history.sightings.len().div_ceil(MOMENTS_MAX).max(1);
     let mut text = "[".to_owned();
@@ -221,9 +221,10 @@ pub fn moments(history: &History) -> String {
             let comma = if number == 0 { "" } else { "," };
             let _ = write!(text, "{comma}{x:.0},{y:.0},{id}");
         }
-        text.push_str("]]");
+        let fields = sighting.fields.and_then(|index| i64::try_from(index).ok()).unwrap_or(-1);
+        let _ = write!(text, "],{fields},\"{}\"]", sighting.seen);
     }
-    text + "]"
+    (text + "]", frame.pixels_per_m)
 }
 
 /// Where people were, and for how long.
