@@ -1,7 +1,5 @@
 //! What surrounded the robot at each moment of the slider, packed for the page's script.
 
-use std::fmt::Write as _;
-
 use floorguard_types::geometry::Point2;
 
 /// Directions around the robot, each of four degrees; the first begins behind it and they go on to its right, front and left.
