@@ -151,7 +151,10 @@ impl Language {
     #[must_use]
     pub fn number(self, value: f64, digits: usize) -> String {
         let text = format!("{value:.digits$}");
-        if self == Self::English { text } else { text.replace('.', ",") }
+        // Nothing is nothing: no −0.00.
+        let is_nothing = text.chars().all(|letter| ['-', '0', '.'].contains(&letter));
+        let text = if is_nothing { text.trim_start_matches('-') } else { &text };
+        self.decimals(text)
     }
 }
 
@@ -235,6 +238,7 @@ mod tests {
             "gehalten durch: Not-Halt gedrückt, ohne Drehmoment (Kategorie 0)"
         );
         assert_eq!((german.number(1.25, 1), english.number(1.25, 1)), ("1,2".to_owned(), "1.2".to_owned()));
+        assert_eq!([-0.001, -0.1].map(|value| german.number(value, 2)), ["0,00", "-0,10"]);
         for language in Language::ALL {
             assert_eq!(Language::of_code(language.code()), Some(language));
         }
