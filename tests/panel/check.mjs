@@ -6,6 +6,7 @@ import {spawn} from "node:child_process";
 import {Agent, get} from "node:http";
 import {createRequire} from "node:module";
 import {mkdirSync, readFileSync, readdirSync, writeFileSync} from "node:fs";
+import {cpus, loadavg} from "node:os";
 import {join} from "node:path";
 
 const [program, chromium, folder] = process.argv.slice(2);
@@ -33,6 +34,9 @@ function begin(records, env = {}) {
   });
   return {child, address};
 }
+
+// How busy the computer is: figures of a busy one say little.
+function load() { return "load " + loadavg()[0].toFixed(1) + " on " + cpus().length + " processors"; }
 
 async function axe(page, what) {
   await page.evaluate(axeSource);
@@ -167,7 +171,7 @@ async function tasks(browser, address, how) {
   await answered("frame.paused");
   clicks = 0;
   const headline = await page.textContent("#headline");
-  counted("find out why it stands", headline.length > 3, headline);
+  counted("find out why it stands", headline === "Paused by the operator", headline);
   await press("[data-order=resume]");
   await answered("!frame.paused");
   clicks = 0;
@@ -272,7 +276,7 @@ async function frames(browser, address) {
   const times = await page.evaluate(count => pictures_of(count), count);
   const each = (browserTime(pid) - from - idle * (Date.now() - at)) / count;
   const [median, late] = [times[count / 2], times[Math.floor(0.95 * count)]].map(ms => ms.toFixed(1));
-  check("a picture of 100 people on 10,000 m² in 16 ms", each <= 16, each.toFixed(1) + " ms of processor time with all threads of the browser, drawn without a graphics card; on the clock of this computer median " + median + " ms, 95 % " + late + " ms");
+  check("a picture of 100 people on 10,000 m² in 16 ms", each <= 16, each.toFixed(1) + " ms of processor time with all threads of the browser, drawn without a graphics card; on the clock of this computer median " + median + " ms, 95 % " + late + " ms; " + load());
   await context.close();
 }
 
@@ -311,7 +315,7 @@ async function viewers() {
     console.log("     " + count + " viewers: " + JSON.stringify(late[count]));
   }
   // The guard's deadline for the drive is 20 ms; what a stop may take in all is measured by itself.
-  check("two hundred viewers do not delay the guard", late[200].nearly <= 10 && late[200].stop <= 40, late[200].pictures + " pictures in 20 s; 99.9 % of its timers at most " + late[200].nearly + " ms late (" + late[0].nearly + " without viewers), emergency stop to bus " + late[200].stop + " ms (" + late[0].stop + ")");
+  check("two hundred viewers do not delay the guard", late[200].nearly <= 10 && late[200].stop <= 40, late[200].pictures + " pictures in 20 s; 99.9 % of its timers at most " + late[200].nearly + " ms late (" + late[0].nearly + " without viewers), emergency stop to bus " + late[200].stop + " ms (" + late[0].stop + "); " + load());
 }
 
 // The pages that are written: axe, and text that fits, on a phone and a desk, light and dark; report and explanation in five languages.

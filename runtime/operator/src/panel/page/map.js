@@ -158,9 +158,9 @@ function draw() {
 // All at once: a hundred people cost no more than a few.
 function drawPeople(g, at) {
   const scale = sight.scale, line = points => points.forEach((p, i) => { const [x, y] = at(p); i ? g.lineTo(x, y) : g.moveTo(x, y); });
-  g.strokeStyle = colours.person + "80"; g.lineWidth = 3; g.beginPath();
+  g.strokeStyle = colours.person + "80"; g.lineWidth = 3; g.lineJoin = "bevel"; g.beginPath();
   for (const trail of trails.values()) line(trail);
-  g.stroke();
+  g.stroke(); g.lineJoin = "round";
   for (const isPerson of [false, true]) {
     const those = frame.people.filter(p => p.person === isPerson), radius = Math.max((isPerson ? 0.28 : 0.15) * scale, 3);
     g.fillStyle = g.strokeStyle = isPerson ? colours.person : colours.other; g.lineWidth = 2;

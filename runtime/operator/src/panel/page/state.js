@@ -1,6 +1,8 @@
 // A token in the address opens the buttons: after the # it does not go over the line by itself.
 const token = location.hash.slice(1);
 const headers = token ? {Authorization: "Bearer " + token} : {};
+// Where people were in the last seconds, a place every so often: a hundred of them are drawn in each picture.
+const TRAIL_S = 6, TRAIL_STEP_M = 0.3, TRAIL_MAX = 24;
 const trails = new Map(), path = [];
 let frame = null, floor = null, plan = null, role = "viewer", asking = false;
 const shown = {claimed: true, track: true, dirt: false, held: false};
@@ -52,8 +54,9 @@ function show(next) {
   for (const person of next.people.filter(p => p.person)) {
     seen.add(person.id);
     const trail = trails.get(person.id) || [];
-    trail.push(person.at_m);
-    if (trail.length > 60) trail.shift();
+    const before = trail[trail.length - 1];
+    if (!before || Math.hypot(before[0] - person.at_m[0], before[1] - person.at_m[1]) > TRAIL_STEP_M) trail.push([...person.at_m, next.time_s]);
+    while (trail.length > TRAIL_MAX || (trail.length && next.time_s - trail[0][2] > TRAIL_S)) trail.shift();
     trails.set(person.id, trail);
   }
   for (const id of trails.keys()) if (!seen.has(id)) { const trail = trails.get(id); trail.shift(); if (!trail.length) trails.delete(id); }
