@@ -318,7 +318,7 @@ async function viewers() {
   check("two hundred viewers do not delay the guard", late[200].nearly <= 10 && late[200].stop <= 40, late[200].pictures + " pictures in 20 s; 99.9 % of its timers at most " + late[200].nearly + " ms late (" + late[0].nearly + " without viewers), emergency stop to bus " + late[200].stop + " ms (" + late[0].stop + "); " + load());
 }
 
-// The pages that are written: axe, and text that fits, on a phone and a desk, light and dark; report and explanation in five languages.
+// The pages that are written: axe, and text that fits, on a phone and a wide screen, light and dark; report and explanation in five languages.
 async function reports(browser) {
   const at = name => join(folder, name), scene = ["--scenario", "supermarket", "--strategy", "guarantee", "--seed", "3"];
   await ended(["simulate", ...scene, "--duration", "40", "--report", at("simulated"), "--record", at("run.mcap"), "--emergency-stop", "20..25"]);

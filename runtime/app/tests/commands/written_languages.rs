@@ -63,11 +63,11 @@ fn written_pages_speak_five_languages() {
     let written = |command: &[&str], code: &str| {
         let page = folder.path().join(format!("{}-{code}.html", command[0]));
         let asked = [command, &[text(&recording), "--language", code, "--out", text(&page)]].concat();
-        let said = floorguard(&asked);
+        let output = floorguard(&asked);
         let html = std::fs::read_to_string(page).expect("a page");
         assert!(html.contains(&format!("<html lang=\"{code}\">")), "{code}");
         assert!(html.contains("prefers-color-scheme:dark"), "a page for the dark");
-        (spoken(&html), String::from_utf8_lossy(&said.stdout).into_owned())
+        (spoken(&html), String::from_utf8_lossy(&output.stdout).into_owned())
     };
     for command in [["report"].as_slice(), &["explain", "--at", "15.2"]] {
         let pages = LANGUAGES.map(|code| written(command, code).0);

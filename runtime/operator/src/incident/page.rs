@@ -65,7 +65,7 @@ fn decided(html: &mut String, incident: &Incident) {
         let words = language.fill("It was {}.", &[&escaped(&holder.words_in(language))]);
         let _ = write!(html, "<br>{words}");
     }
-    // The requirements are written in English; a reader with a voice is told so.
+    // The requirements are written in English: a screen reader speaks them so.
     let rule = format!("<span lang=en>{}</span>", escaped(cause.rule));
     let rule = language.fill("The rule, {}: {}", &[cause.requirement, &rule]);
     let _ = write!(html, "<br>{}</p><p>{rule}</p>", escaped(&cause.remedy));

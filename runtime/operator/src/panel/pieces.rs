@@ -35,7 +35,7 @@ impl Piece {
 
 /// Pieces in a language, as the page says them.
 pub fn spoken(pieces: &[Piece], language: Language) -> String {
-    let said = pieces.iter().map(|piece| match (piece.number, &piece.word, &piece.text) {
+    let phrases = pieces.iter().map(|piece| match (piece.number, &piece.word, &piece.text) {
         (Some(value), ..) => {
             let value = language.number(value, piece.digits);
             language.fill(&piece.key, &[&format!("{value} {}", piece.unit)])
@@ -44,7 +44,7 @@ pub fn spoken(pieces: &[Piece], language: Language) -> String {
         (None, None, Some(text)) => language.fill(&piece.key, &[text]),
         (None, None, None) => language.say(&piece.key).to_owned(),
     });
-    said.collect::<Vec<_>>().join(", ")
+    phrases.collect::<Vec<_>>().join(", ")
 }
 
 /// Of a cause: its name, what was measured, the limit, the age, and what it demands.
