@@ -9,6 +9,8 @@ use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use serde::Serialize;
 
+use crate::words::Language;
+
 /// A person or another object that is followed, in the robot's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Followed {
@@ -60,7 +62,14 @@ impl Holder {
     /// `a person (behind, 1.4 m)`.
     #[must_use]
     pub fn words(&self) -> String {
-        format!("{} ({}, {:.1} m)", self.what, self.direction, self.distance_m)
+        self.words_in(Language::English)
+    }
+
+    /// The same in a language.
+    #[must_use]
+    pub fn words_in(&self, language: Language) -> String {
+        let metres = language.number(self.distance_m.into(), 1);
+        format!("{} ({}, {metres} m)", language.say(self.what), language.say(self.direction))
     }
 }
 

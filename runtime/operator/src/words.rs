@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 use std::sync::OnceLock;
 
-/// The table: a script for the page, and between its brackets rows of text, English first.
+/// The table: a script for the panel's page, and between its brackets rows of text, English first.
 const TABLE: &str = include_str!("panel/page/words.js");
+/// Its second part: what only the written pages say, so that the panel's page stays small.
+const WRITTEN: &str = include_str!("report/words.json");
 
 /// A language of panel and reports.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +48,7 @@ impl Language {
 
     /// Words in this language; what the table does not have stays English.
     #[must_use]
-    pub fn say(self, english: &str) -> &str {
+    pub fn say<'a>(self, english: &'a str) -> &'a str {
         table().get(english).and_then(|row| row.get(self as usize)).map_or(english, String::as_str)
     }
 
@@ -114,25 +116,61 @@ impl Language {
     }
 
     /// Numbers in a text with the point or comma of this language.
-    fn decimals(self, text: &str) -> String {
+    #[must_use]
+    pub fn decimals(self, text: &str) -> String {
         if self == Self::English { text.to_owned() } else { text.replace('.', ",") }
+    }
+
+    /// Digits in groups of three, as this language sets them apart.
+    #[must_use]
+    pub fn grouped(self, number: u64) -> String {
+        let apart = match self {
+            Self::English => ",",
+            Self::French => "\u{202f}",
+            Self::German | Self::Italian | Self::Spanish => ".",
+        };
+        let digits = number.to_string();
+        let (first, rest) = digits.split_at((digits.len() - 1) % 3 + 1);
+        rest.as_bytes().chunks(3).fold(first.to_owned(), |all, three| {
+            let three = three.iter().copied().map(char::from);
+            all + apart + &three.collect::<String>()
+        })
+    }
+
+    /// What held the robot, or what came of a reset, as a recording says it.
+    #[must_use]
+    pub fn held(self, english: &str) -> String {
+        match english.strip_prefix("held by: ") {
+            Some(cause) if self != Self::English => self.fill("held by: {}", &[&self.cause(cause)]),
+            None if self != Self::English => self.cause(english),
+            _ => english.to_owned(),
+        }
     }
 
     /// A number with so many digits behind the point, or comma.
     #[must_use]
     pub fn number(self, value: f64, digits: usize) -> String {
         let text = format!("{value:.digits$}");
-        if self == Self::English { text } else { text.replace('.', ",") }
+        // Nothing is nothing: no −0.00.
+        let is_nothing = text.chars().all(|letter| ['-', '0', '.'].contains(&letter));
+        let text = if is_nothing { text.trim_start_matches('-') } else { &text };
+        self.decimals(text)
     }
+}
+
+/// Rows of text, English first.
+pub(crate) type Rows = Vec<Vec<String>>;
+
+/// What the panel's page has, and what only the written pages have.
+pub(crate) fn parts() -> [Rows; 2] {
+    let page = TABLE.trim().strip_prefix("const WORDS =").and_then(|text| text.strip_suffix(';'));
+    [page.unwrap_or_default(), WRITTEN].map(|rows| serde_json::from_str(rows).unwrap_or_default())
 }
 
 fn table() -> &'static HashMap<String, Vec<String>> {
     static READ: OnceLock<HashMap<String, Vec<String>>> = OnceLock::new();
     READ.get_or_init(|| {
-        let rows = TABLE.trim().strip_prefix("const WORDS =").and_then(|text| text.strip_suffix(';'));
-        let rows: Vec<Vec<String>> =
-            rows.and_then(|rows| serde_json::from_str(rows).ok()).unwrap_or_default();
-        rows.into_iter().filter_map(|row| Some((row.first()?.clone(), row))).collect()
+        parts().into_iter().flatten().filter_map(|row| Some((row.first()?.clone(), row))).collect()
     })
 }
 
@@ -192,7 +230,15 @@ mod tests {
             format!("{}, {}", german.say(start), german.say(action))
         );
         assert_eq!(german.begin("größer"), "größer");
+        let grouped = Language::ALL.map(|language| language.grouped(1_257_101));
+        assert_eq!(grouped, ["1,257,101", "1.257.101", "1\u{202f}257\u{202f}101", "1.257.101", "1.257.101"]);
+        assert_eq!([0, 7, 999].map(|number| english.grouped(number)), ["0", "7", "999"]);
+        assert_eq!(
+            german.held("held by: emergency stop pressed -> torque off (category 0)"),
+            "gehalten durch: Not-Halt gedrückt, ohne Drehmoment (Kategorie 0)"
+        );
         assert_eq!((german.number(1.25, 1), english.number(1.25, 1)), ("1,2".to_owned(), "1.2".to_owned()));
+        assert_eq!([-0.001, -0.1].map(|value| german.number(value, 2)), ["0,00", "-0,10"]);
         for language in Language::ALL {
             assert_eq!(Language::of_code(language.code()), Some(language));
         }

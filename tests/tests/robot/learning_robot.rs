@@ -9,6 +9,7 @@ use floorguard_configuration::EXAMPLE;
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
 use floorguard_operator::report::{Circumstances, document, read_history};
 use floorguard_operator::telemetry::RunSinks;
+use floorguard_operator::words::Language;
 use floorguard_perception::online_learning::Weights;
 use floorguard_recording::Recording;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
@@ -141,7 +142,7 @@ fn equal_recordings_learn_equal_bits() {
     let file = std::fs::File::open(&path).expect("the recording is there");
     let history = read_history(&mut Recording::new(BufReader::new(file))).expect("it is whole");
     assert_eq!(history.learned, Some(learned.words()));
-    assert!(document(&history, &Circumstances::default()).contains("Learned: "));
+    assert!(document(&history, &Circumstances::default(), Language::English).contains("Learned: "));
     // A replay leaves the file of the robot alone.
     let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors()));
     assert_eq!(kept.expect("it is whole").map(|kept| kept.generation), Some(1));

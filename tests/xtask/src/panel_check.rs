@@ -19,13 +19,9 @@ const PACKAGES: [&str; 2] = ["playwright-core@1", "axe-core@4"];
 /// What to walk through.
 #[derive(Args)]
 pub struct Options {
-    /// Only these parts: pictures, layouts, mouse, touch, keyboard, tabs, viewer, frames, reports, viewers.
+    /// Only these parts: layouts, mouse, touch, keyboard, tabs, viewer, frames, reports, viewers.
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
-    /// Keep the pictures of the page as they are now (`tests/panel/pictures`), for later runs to compare with: look at them
-    /// first.
-    #[arg(long)]
-    update: bool,
 }
 
 /// Builds, installs and walks. True when every check passed, or there is no browser.
@@ -48,9 +44,6 @@ pub fn run(options: &Options) -> Result<bool> {
     walk.arg(shell::root().join("tests/panel/check.mjs"));
     walk.arg(program).arg(browser).arg(&folder);
     walk.env("PANEL_CHECK", options.only.join(","));
-    if options.update {
-        walk.env("PANEL_UPDATE", "1");
-    }
     shell::succeeds(&mut walk)
 }
 

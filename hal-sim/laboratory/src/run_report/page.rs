@@ -10,6 +10,7 @@ use super::view::top_view;
 use crate::world::{Observation, Plan};
 use floorguard_operator::report::style::{self, chart, escaped, map};
 use floorguard_operator::report::{charts, make_folder};
+use floorguard_operator::words::Language;
 
 const MAP_LEGEND: &str = "Blue: the robot's path, its start as an outline and its end filled; light blue: what the brush \
 passed over. Coloured lines: people, the dot where each was last. Discs: stops, numbered as below. Dark: walls; grey: \
@@ -30,7 +31,8 @@ pub fn write_report(folder: &Path, plan: &Plan, observation: &Observation) -> an
     };
     let picture = top_view(plan, observation);
     let stops_s = observation.stops.iter().map(|stop| stop.at_s);
-    let speed = charts::speeds(observation.verdict.duration_s, &observation.speeds, stops_s);
+    let speed =
+        charts::speeds((observation.verdict.duration_s, Language::English), &observation.speeds, stops_s);
     write("top-view.svg", &picture.to_svg())?;
     write("speed.svg", &speed)?;
     write("verdict.json", &serde_json::to_string_pretty(&observation.verdict)?)?;

@@ -13,13 +13,13 @@ use floorguard_operator::report::{made_now, style};
 
 /// What this page has beside the style of all reports.
 const STYLE: &str = "*{box-sizing:border-box}\
-.verdict{padding:.8rem 1rem;border-radius:.5rem;font-size:1.1rem}.good{background:#dff2ea}.open{background:#fdf0cf}\
+.verdict{padding:.8rem 1rem;border-radius:.5rem;font-size:1.1rem}.good{background:var(--good)}.open{background:var(--cut)}\
 .maps{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr))}figure{margin:0}\
 figcaption{font-weight:600}svg{width:100%;height:auto;border:1px solid #c3cad2;image-rendering:pixelated}\
 .cards{display:grid;gap:.6rem;grid-template-columns:repeat(auto-fit,minmax(10rem,1fr));margin:1rem 0}\
-.card{border:1px solid #d8dee5;border-radius:.5rem;padding:.5rem .8rem}.card b{display:block;font-size:1.4rem}\
+.card{border:1px solid var(--line);border-radius:.5rem;padding:.5rem .8rem}.card b{display:block;font-size:1.4rem}\
 .table{overflow-x:auto}table{border-collapse:collapse;width:100%}td,th{padding:.45rem .6rem;text-align:right;\
-border-bottom:1px solid #d8dee5;font-variant-numeric:tabular-nums}td:first-child,th:first-child{text-align:left}\
+border-bottom:1px solid var(--line);font-variant-numeric:tabular-nums}td:first-child,th:first-child{text-align:left}\
 .key{display:inline-block;margin:.2rem 1rem .2rem 0}.key i{display:inline-block;width:1.1em;height:1.1em;\
 border:1px solid #8a94a0;vertical-align:-.15em;margin-right:.4em}details{margin-top:1rem}summary{padding:.4rem 0}\
 text{font:600 var(--s) system-ui,sans-serif;fill:#10202e;stroke:#fff;stroke-width:var(--w);paint-order:stroke}";

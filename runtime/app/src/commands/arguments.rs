@@ -7,9 +7,15 @@ use crate::mapping_commands::{
 };
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
+/// From a robot's file to the proof and the explanation of a day.
+const EXAMPLES: &str = "Examples:\n  floorguard check robot.toml\n  \
+floorguard run robot.toml --panel 127.0.0.1:8080 --record today.mcap\n  \
+floorguard report today.mcap --pdf proof.pdf --language de\n  \
+floorguard explain today.mcap --at 43.8 --out why.html";
+
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
 #[derive(Debug, Parser)]
-#[command(name = "floorguard", version, about)]
+#[command(name = "floorguard", version, about, after_help = EXAMPLES)]
 #[cfg_attr(not(feature = "laboratory"), command(arg_required_else_help = true))]
 pub struct Arguments {
     /// What to do; without a command: the demo.

@@ -9,8 +9,10 @@ use clap::Args;
 use super::exit::BadInput;
 use super::values::moment_s;
 use crate::recordings::say_findings;
+use crate::reports::language;
 use floorguard_host::packing::{must_be_a_file, unpacked};
 use floorguard_operator::incident::{Gather, Incident, Snapshot, page};
+use floorguard_operator::words::Language;
 use floorguard_recording::replay::{ReplayOutcome, is_replayable, replay_recording};
 use floorguard_recording::{RUN_METADATA, Recorded, Recording, topics};
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -30,6 +32,9 @@ pub struct ExplainArguments {
     /// Also write one page that needs nothing else: the moment from above, the sensors, the ten seconds before.
     #[arg(long, value_name = "FILE.html")]
     pub out: Option<PathBuf>,
+    /// Language of the text and of the page: en, de, fr, it or es; `--json` is in English.
+    #[arg(long, value_name = "CODE", default_value = "en", value_parser = language)]
+    pub language: Language,
     /// One object on standard output in place of the text; its fields: book, What a recording holds.
     #[arg(long)]
     pub json: bool,
@@ -54,21 +59,25 @@ pub fn run(arguments: &ExplainArguments) -> anyhow::Result<()> {
     let outcome = replay_recording(first, &mut recording, &mut gather).map_err(|error| bad(&error))?;
     say_findings(outcome.findings.as_deref());
     let snapshots = gather.finish();
-    let repetition = repetition(&outcome, snapshots.last());
-    let incident = Incident::new(&name, &snapshots, &robot.guard().drive, repetition).ok_or_else(|| {
-        let end_s = outcome.played_us as f64 * 1.0e-6;
-        bad(&format_args!("{asked_s:.3} s is not in it; it holds 0 s to {end_s:.1} s"))
-    })?;
+    let drive = robot.guard().drive;
+    let incident = |language| {
+        let repetition = repetition(&outcome, snapshots.last(), language);
+        Incident::new((&name, repetition), &snapshots, (&drive, language)).ok_or_else(|| {
+            let end_s = outcome.played_us as f64 * 1.0e-6;
+            bad(&format_args!("{asked_s:.3} s is not in it; it holds 0 s to {end_s:.1} s"))
+        })
+    };
+    let spoken = incident(arguments.language)?;
     if let Some(out) = &arguments.out {
-        std::fs::write(out, page(&incident, &snapshots))
+        std::fs::write(out, page(&spoken, &snapshots))
             .map_err(|error| BadInput(format!("{}: cannot be written ({error})", out.display())))?;
         say!("explain: {}", out.display());
     }
     let mut stdout = std::io::stdout().lock();
     if arguments.json {
-        writeln!(stdout, "{}", serde_json::to_string(&incident)?)?;
+        writeln!(stdout, "{}", serde_json::to_string(&incident(Language::English)?)?)?;
     } else {
-        write!(stdout, "{}", incident.text())?;
+        write!(stdout, "{}", spoken.text())?;
     }
     Ok(())
 }
@@ -104,26 +113,27 @@ fn last_stop_s(path: &Path) -> anyhow::Result<Option<f64>> {
 }
 
 /// Whether what is shown is what was decided then.
-fn repetition(outcome: &ReplayOutcome, moment: Option<&Snapshot>) -> String {
+fn repetition(outcome: &ReplayOutcome, moment: Option<&Snapshot>, language: Language) -> String {
     let version = env!("CARGO_PKG_VERSION");
-    let begin = format!("Played again from the recorded bytes by floorguard {version}");
+    let begin = language.fill("Played again from the recorded bytes by floorguard {}", &[version]);
     let until = moment.map_or(Stamp::ZERO, |snapshot| snapshot.at);
     if let Some(reason) = &outcome.unrepeatable {
-        return format!(
-            "{begin}. {reason}, so it was not compared with the recording: causes and times may differ."
-        );
+        let words = "{}, so it was not compared with the recording: causes and times may differ.";
+        return format!("{begin}. {}", language.fill(words, &[reason]));
     }
     let difference = match &outcome.order {
         Some(order) => order.first_difference.as_ref().map(|difference| difference.at),
         None => outcome.first_difference,
     };
     match difference.filter(|at| *at <= until) {
-        Some(at) => format!(
-            "{begin}. This version decides otherwise from {:.3} s on, so what is shown may not be what was decided then.",
-            at.as_micros() as f64 * 1.0e-6
-        ),
+        Some(at) => {
+            let from = language.number(at.as_micros() as f64 * 1.0e-6, 3);
+            let words = "This version decides otherwise from {} s on, so what is shown may not be what was decided then.";
+            format!("{begin}. {}", language.fill(words, &[&from]))
+        }
         None => {
-            format!("{begin}; up to this moment every compared decision is the recorded one, to the bit.")
+            let words = "up to this moment every compared decision is the recorded one, to the bit.";
+            format!("{begin}; {}", language.say(words))
         }
     }
 }

@@ -2,4 +2,4 @@
 
 mod report;
 
-pub use report::{ReportArguments, run};
+pub use report::{ReportArguments, language, run};

@@ -41,7 +41,7 @@ pub struct ReportArguments {
     /// Also write the proof as a PDF file for a customer: what was cleaned, claimed with which confidence, what not and why.
     #[arg(long, value_name = "FILE.pdf")]
     pub pdf: Option<PathBuf>,
-    /// Language of the PDF file: en, de, fr, it or es.
+    /// Language of the page and of the PDF file: en, de, fr, it or es; the data for other programs are in English.
     #[arg(long, value_name = "CODE", default_value = "en", value_parser = language)]
     pub language: Language,
     /// Also write each cell of a mission's floor: place, what is claimed, dirt before and after.
@@ -49,7 +49,11 @@ pub struct ReportArguments {
     pub cells: Option<PathBuf>,
 }
 
-fn language(code: &str) -> Result<Language, String> {
+/// A language by its two letters.
+///
+/// # Errors
+/// It is none of those that pages and files are written in.
+pub fn language(code: &str) -> Result<Language, String> {
     Language::of_code(code).ok_or_else(|| "write en, de, fr, it or es".to_owned())
 }
 
@@ -78,12 +82,13 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
         robot: arguments.robot.clone(),
         operator: arguments.operator.clone(),
     };
-    write(&out, document(&history, &circumstances).as_bytes())?;
-    let proof = proof(&history, &circumstances);
+    write(&out, document(&history, &circumstances, arguments.language).as_bytes())?;
     if let Some(path) = &arguments.json {
+        let proof = proof(&history, &circumstances, Language::English);
         write(path, serde_json::to_string_pretty(&proof)?.as_bytes())?;
     }
     if let Some(path) = &arguments.pdf {
+        let proof = proof(&history, &circumstances, arguments.language);
         write(path, &pdf(&proof, &history, arguments.language))?;
     }
     if let Some(path) = &arguments.cells {

@@ -23,3 +23,4 @@ mod seen_support;
 mod slam_commands;
 mod status_report;
 mod terminal;
+mod written_languages;

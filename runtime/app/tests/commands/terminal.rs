@@ -312,7 +312,8 @@ fn each_command_has_example_and_man_page() {
         let page = folder.path().join(format!("{name}.1"));
         assert!(page.is_file(), "{}", page.display());
         let example = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-        assert!(command.has_subcommands() || example.contains("floorguard "), "{name}: {example}");
+        let is_group = command.has_subcommands() && name != "floorguard";
+        assert!(is_group || example.contains("floorguard "), "{name}: {example}");
         seen += 1;
         let inner = command.get_subcommands();
         waiting.extend(inner.map(|sub| (format!("{name}-{}", sub.get_name()), sub.clone())));

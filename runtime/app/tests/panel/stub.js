@@ -21,6 +21,16 @@ function misfits() {
     if ((box.right > innerWidth + 1 || box.left < -1) && !part.closest(".wide")) out.push("outside " + what);
   }
   if (document.documentElement.scrollWidth > innerWidth) out.push("page is " + document.documentElement.scrollWidth + " wide");
+  // Words and numbers that go on in the next line.
+  const range = document.createRange();
+  for (const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT); walker.nextNode();) {
+    const text = walker.currentNode;
+    if (!text.parentElement.offsetParent || text.parentElement.closest(".unseen, script, style, option")) continue;
+    for (const hit of text.data.matchAll(/[^\s\-\/]+/g)) {
+      range.setStart(text, hit.index); range.setEnd(text, hit.index + hit[0].length);
+      if (new Set([...range.getClientRects()].map(box => Math.round(box.top))).size > 1) out.push("broken " + hit[0]);
+    }
+  }
   const english = [...document.querySelectorAll("[data-t]")].filter(part => language !== "en" && !TABLE.has(part.dataset.t));
   return [...out, ...english.map(part => "not translated: " + part.dataset.t)];
 }

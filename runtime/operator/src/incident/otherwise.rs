@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::gather::Snapshot;
 use super::rule::requirement;
+use super::summary::cause_words;
 use crate::surroundings::{Surroundings, direction};
+use crate::words::Language;
 
 /// What is in the way, and how soon it would have been reached.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,13 +44,13 @@ pub struct Otherwise {
 const HORIZON_M: f32 = 10.0;
 
 /// Of the snapshots of the seconds before; the last of them is the moment.
-pub fn otherwise(snapshots: &[Snapshot], drive: &DriveLimits) -> Option<Otherwise> {
+pub fn otherwise(snapshots: &[Snapshot], drive: &DriveLimits, language: Language) -> Option<Otherwise> {
     let moment = snapshots.last()?;
     let holding = moment.decision.holding_cause.map(|record| record.cause);
     let mut others: Vec<&CauseRecord> =
         moment.causes.iter().filter(|record| Some(record.cause) != holding).collect();
     others.sort_by_key(|record| std::cmp::Reverse(record.action));
-    let next_cause = others.first().map(|record| (record.to_string(), requirement(record.cause)));
+    let next_cause = others.first().map(|record| (cause_words(record, language), requirement(record.cause)));
     let speed_mps = speed_before(snapshots);
     let wanted_mps = moment.wanted.map(|wanted| wanted.linear_mps);
     let heading_mps = if speed_mps == 0.0 { wanted_mps.unwrap_or(0.0) } else { speed_mps };
@@ -60,7 +62,8 @@ pub fn otherwise(snapshots: &[Snapshot], drive: &DriveLimits) -> Option<Otherwis
         reached_s: (speed_mps != 0.0).then(|| free_m / speed_mps.abs()),
         braking_m,
     });
-    let sentence = sentence(next_cause.as_ref().map(|(text, _)| text.as_str()), speed_mps, ahead.as_ref());
+    let next = next_cause.as_ref().map(|(text, _)| text.as_str());
+    let sentence = sentence((next, language), speed_mps, ahead.as_ref());
     Some(Otherwise { next_cause, speed_mps, wanted_mps, ahead, sentence })
 }
 
@@ -101,27 +104,32 @@ fn nearest_ahead(around: &Surroundings, backwards: bool) -> Option<(&'static str
     people.chain(hits).min_by(|a, b| a.2.total_cmp(&b.2))
 }
 
-fn sentence(next_cause: Option<&str>, speed_mps: f32, ahead: Option<&Ahead>) -> String {
-    let instead = match next_cause {
-        Some(cause) => format!("Without this cause, the next one would have decided: {cause}."),
-        None => "No other cause held the robot: without this one it would have gone on.".to_owned(),
-    };
-    let way = match ahead {
-        Some(ahead) => {
-            let place = format!("{} {:.2} m away, {}", ahead.what, ahead.free_m, ahead.direction);
-            match ahead.reached_s {
-                Some(reached_s) => format!(
-                    " Straight on, {place}, would have been reached after {reached_s:.1} s at {:.2} m/s; to stand the robot \
-                     needs {:.2} m.",
-                    speed_mps.abs(),
-                    ahead.braking_m
-                ),
-                None => format!(" The robot stood; straight on there was {place}."),
-            }
+fn sentence((next, language): (Option<&str>, Language), speed_mps: f32, ahead: Option<&Ahead>) -> String {
+    let number = |value: f32, digits| language.number(value.into(), digits);
+    let instead = match next {
+        Some(cause) => language.fill("Without this cause, the next one would have decided: {}.", &[cause]),
+        None => {
+            language.say("No other cause held the robot: without this one it would have gone on.").to_owned()
         }
-        None => format!(" Straight on, nothing was seen within {HORIZON_M:.0} m."),
     };
-    instead + &way
+    let Some(ahead) = ahead else {
+        let horizon = number(HORIZON_M, 0);
+        return instead + " " + &language.fill("Straight on, nothing was seen within {} m.", &[&horizon]);
+    };
+    let (what, side) = (language.say(ahead.what), language.say(ahead.direction));
+    let place = language.fill("{} {} m away, {}", &[what, &number(ahead.free_m, 2), side]);
+    let way = match ahead.reached_s {
+        Some(reached_s) => {
+            let figures = [(reached_s, 1), (speed_mps.abs(), 2), (ahead.braking_m, 2)];
+            let [reached, speed, braking] = figures.map(|(value, digits)| number(value, digits));
+            language.fill(
+                "Straight on, {}, would have been reached after {} s at {} m/s; to stand the robot needs {} m.",
+                &[&place, &reached, &speed, &braking],
+            )
+        }
+        None => language.fill("The robot stood; straight on there was {}.", &[&place]),
+    };
+    instead + " " + &way
 }
 
 #[cfg(test)]

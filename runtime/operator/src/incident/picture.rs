@@ -6,6 +6,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 
 use super::gather::Snapshot;
 use crate::surroundings::Holder;
+use crate::words::Language;
 
 /// Pixels of an edge.
 const PX: f32 = 560.0;
@@ -34,7 +35,7 @@ impl View {
 }
 
 /// As SVG, with a description for those who do not see it.
-pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>) -> String {
+pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>, language: Language) -> String {
     let Some(moment) = snapshots.last() else { return String::new() };
     let around = &moment.around;
     let reach = |points: &[Point2]| points.iter().map(|point| point.norm()).fold(0.0, f32::max);
@@ -42,10 +43,12 @@ pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>) -> String {
     let wanted_m =
         [reach(&around.protective), reach(&around.warning), holder_m].into_iter().fold(0.0, f32::max);
     let view = View { around_m: (wanted_m + 0.8).clamp(AROUND_M.0, AROUND_M.1) };
-    let holder_words = holder.map_or_else(|| "nothing on the map".to_owned(), Holder::words);
+    let nothing = || language.say("nothing on the map").to_owned();
+    let holder_words = holder.map_or_else(nothing, |holder| holder.words_in(language));
+    let label = language.fill("Top view at the moment: held by {}", &[&holder_words]);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {PX} {PX}\" role=\"img\" aria-label=\"Top view at the moment: \
-         held by {holder_words}\"><rect width=\"100%\" height=\"100%\" fill=\"#fff\" stroke=\"#d8dee5\"/>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {PX} {PX}\" role=\"img\" \
+         aria-label=\"{label}\"><rect width=\"100%\" height=\"100%\" fill=\"#fff\" stroke=\"#d8dee5\"/>"
     );
     grid(&mut svg, &view);
     for (field, fill, edge) in
@@ -72,7 +75,7 @@ pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>) -> String {
     scan(&mut svg, &view, moment);
     people(&mut svg, &view, snapshots, holder);
     if let Some(holder) = holder {
-        ring(&mut svg, &view, holder);
+        ring(&mut svg, &view, (holder, language));
     }
     svg + "</svg>"
 }
@@ -145,7 +148,7 @@ fn people(svg: &mut String, view: &View, snapshots: &[Snapshot], holder: Option<
 }
 
 /// What held the robot, with the line to it and the distance.
-fn ring(svg: &mut String, view: &View, holder: &Holder) {
+fn ring(svg: &mut String, view: &View, (holder, language): (&Holder, Language)) {
     let (x, y) = view.at(Point2::new(holder.x_m, holder.y_m));
     let (from_x, from_y) = view.at(Point2::new(0.0, 0.0));
     // The words stay within the picture.
@@ -157,6 +160,6 @@ fn ring(svg: &mut String, view: &View, holder: &Holder) {
          <circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"16\" fill=\"none\" stroke=\"#a3271b\" stroke-width=\"4\"/><text \
          x=\"{text_x:.1}\" y=\"{text_y:.1}\" font-size=\"16\" font-weight=\"600\" fill=\"#a3271b\" text-anchor=\"{anchor}\" \
          paint-order=\"stroke\" stroke=\"#fff\" stroke-width=\"4\">{}</text>",
-        holder.words()
+        holder.words_in(language)
     );
 }

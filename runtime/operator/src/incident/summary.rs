@@ -2,14 +2,17 @@
 
 use std::fmt::Write as _;
 
-use floorguard_guard::{CauseRecord, DriveLimits, SourceReport};
+use floorguard_guard::{CauseRecord, Decision, DriveLimits, SourceReport};
+use floorguard_host::words::beside;
+use floorguard_types::geometry::{Point2, Twist2};
 use serde::Serialize;
 
 use super::gather::Snapshot;
 use super::otherwise::{Otherwise, otherwise};
 use super::rule::{requirement, requirement_text};
-use crate::panel::remedy;
-use crate::surroundings::{Followed, Holder};
+use crate::panel::{pieces, remedy};
+use crate::surroundings::{Followed, Holder, Surroundings};
+use crate::words::Language;
 
 /// Rows of the table of the seconds before, at least this far apart unless something changed, microseconds.
 const ROW_US: u64 = 500_000;
@@ -23,7 +26,7 @@ pub struct SourceLine {
     pub health: String,
     /// Age of its newest measurement, ms; none before the first.
     pub age_ms: Option<u64>,
-    /// What it saw, as far as words can tell.
+    /// What it saw, as far as words can tell, in the language.
     pub saw: String,
 }
 
@@ -37,7 +40,7 @@ pub struct CauseLine {
     /// Text of the requirement.
     pub rule: &'static str,
     /// What helps.
-    pub remedy: &'static str,
+    pub remedy: String,
     /// Since when, seconds of the robot's clock.
     pub since_s: f64,
 }
@@ -74,6 +77,12 @@ pub struct Incident {
     pub state: String,
     /// What the guard did.
     pub action: String,
+    /// Language of the words in here.
+    #[serde(skip)]
+    pub language: Language,
+    /// What the guard did stops the robot.
+    #[serde(skip)]
+    pub stops: bool,
     /// What held or limited the robot.
     pub decided_by: Option<CauseLine>,
     /// What stopped it first, where that was something else.
@@ -99,9 +108,13 @@ pub struct Incident {
 }
 
 impl Incident {
-    /// Of the snapshots that were gathered; `None` when there are none.
+    /// Of the snapshots that were gathered, in a language; `None` when there are none.
     #[must_use]
-    pub fn new(file: &str, snapshots: &[Snapshot], drive: &DriveLimits, repetition: String) -> Option<Self> {
+    pub fn new(
+        (file, repetition): (&str, String),
+        snapshots: &[Snapshot],
+        (drive, language): (&DriveLimits, Language),
+    ) -> Option<Self> {
         let moment = snapshots.last()?;
         let decision = &moment.decision;
         let holding = decision.holding_cause;
@@ -114,18 +127,20 @@ impl Incident {
             version: 1,
             file: file.to_owned(),
             at_s: seconds(moment.at.as_micros()),
-            state: format!("{:?}", decision.state),
-            action: decision.action.to_string(),
-            decided_by: holding.as_ref().map(cause_line),
-            first: first.as_ref().map(cause_line),
-            others: others.map(cause_line).collect(),
+            state: state_words(decision, language),
+            action: language.say(&decision.action.to_string()).to_owned(),
+            language,
+            stops: decision.action.stops(),
+            decided_by: holding.as_ref().map(|record| cause_line(record, language)),
+            first: first.as_ref().map(|record| cause_line(record, language)),
+            others: others.map(|record| cause_line(record, language)).collect(),
             holder: holding.and_then(|record| moment.around.holder(&record)),
-            otherwise: otherwise(snapshots, drive),
-            sources: moment.sources.iter().map(|report| source_line(report, moment)).collect(),
+            otherwise: otherwise(snapshots, drive, language),
+            sources: moment.sources.iter().map(|report| source_line(report, moment, language)).collect(),
             followed: moment.around.followed.clone(),
             speed_mps: moment.pose.twist.linear_mps,
             pose: [pose.x_m, pose.y_m, pose.heading_rad],
-            before: rows(snapshots),
+            before: rows(snapshots, language),
             repetition,
         })
     }
@@ -133,35 +148,50 @@ impl Incident {
     /// For the terminal.
     #[must_use]
     pub fn text(&self) -> String {
+        let language = self.language;
         let mut text = String::new();
-        let mut line = |words: String| _ = writeln!(text, "{words}");
-        line(format!("{}, {:.3} s: {}, {}", self.file, self.at_s, self.state, self.action));
+        let at = language.number(self.at_s, 3);
+        let _ = writeln!(text, "{}, {at} s: {}, {}", self.file, self.state, self.action);
+        let mut named = |name: &str, words: &str| {
+            let _ = writeln!(text, "  {:<12}{words}", language.say(name));
+        };
         match &self.decided_by {
             Some(cause) => {
-                line(format!("  decided by  {}", cause.text));
-                line(format!("  rule        {}: {}", cause.requirement, cause.rule));
+                named("decided by", &cause.text);
+                named("rule", &format!("{}: {}", cause.requirement, cause.rule));
                 if let Some(holder) = &self.holder {
-                    line(format!("  held by     {}", holder.words()));
+                    named("held by", &holder.words_in(language));
                 }
-                line(format!("  remedy      {}", cause.remedy));
+                named("remedy", &cause.remedy);
             }
-            None => line("  nothing held or limited the robot".to_owned()),
+            None => named("nothing held or limited the robot", ""),
         }
         if let Some(first) = &self.first {
-            line(format!("  first cause {}", first.text));
+            named("first cause", &first.text);
         }
         for other in &self.others {
-            line(format!("  also        {} ({})", other.text, other.requirement));
+            named("also", &format!("{} ({})", other.text, other.requirement));
         }
         if let Some(otherwise) = &self.otherwise {
-            line(format!("  otherwise   {}", otherwise.sentence));
+            named("otherwise", &otherwise.sentence);
         }
-        for source in &self.sources {
-            let age = source.age_ms.map_or_else(|| "never".to_owned(), |age| format!("{age} ms"));
-            line(format!("  {:<18}{:<9}{age:>9}  {}", source.name, source.health, source.saw));
+        let lines = self.sources.iter().map(|source| (language.say(source.name), source));
+        let lines: Vec<_> = lines.collect();
+        let wide = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        for (name, source) in lines {
+            let age = source.age_in(language);
+            let _ = writeln!(text, "  {name:<wide$} {:<10}{age:>9}  {}", source.health, source.saw);
         }
-        line(format!("  {}", self.repetition));
+        let _ = writeln!(text, "  {}", self.repetition);
         text
+    }
+}
+
+impl SourceLine {
+    /// Age of its newest measurement in words.
+    #[must_use]
+    pub fn age_in(&self, language: Language) -> String {
+        self.age_ms.map_or_else(|| language.say("never").to_owned(), |age| format!("{age} ms"))
     }
 }
 
@@ -169,66 +199,76 @@ fn seconds(us: u64) -> f64 {
     us as f64 * 1.0e-6
 }
 
-fn cause_line(record: &CauseRecord) -> CauseLine {
+/// A cause in words and numbers; in English as the guard writes it.
+pub fn cause_words(record: &CauseRecord, language: Language) -> String {
+    match language {
+        Language::English => record.to_string(),
+        _ => pieces::spoken(&pieces::of_cause(record), language),
+    }
+}
+
+fn state_words(decision: &Decision, language: Language) -> String {
+    language.say(&format!("{:?}", decision.state)).to_owned()
+}
+
+fn cause_line(record: &CauseRecord, language: Language) -> CauseLine {
     let requirement = requirement(record.cause);
     CauseLine {
-        text: record.to_string(),
+        text: cause_words(record, language),
         requirement,
         rule: requirement_text(requirement),
-        remedy: remedy(record),
+        remedy: language.say(remedy(record)).to_owned(),
         since_s: seconds(record.raised_at.as_micros()),
     }
 }
 
-fn source_line(report: &SourceReport, moment: &Snapshot) -> SourceLine {
+fn source_line(report: &SourceReport, moment: &Snapshot, language: Language) -> SourceLine {
     use floorguard_guard::Source;
-    let around = &moment.around;
-    let people = around.followed.iter().filter(|track| track.person).count();
+    let number = |value: f32, digits| language.number(value.into(), digits);
+    let motion = |motion: &Twist2| {
+        format!("{} m/s, {} rad/s", number(motion.linear_mps, 2), number(motion.angular_radps, 2))
+    };
     let saw = match report.source {
-        Source::Scanner => {
-            let within = |field: &[floorguard_types::geometry::Point2]| {
-                let inside = |hit: &&_| floorguard_configuration::polygon_contains(field, **hit);
-                around.hits.iter().filter(inside).count()
-            };
-            format!(
-                "{} returns, {} in the protective field, {} in the warning field",
-                around.hits.len(),
-                within(&around.protective),
-                within(&around.warning)
-            )
-        }
-        Source::Perception => match around.nearest_person() {
-            Some(nearest) => format!(
-                "{}, the nearest {}, {:.1} m",
-                floorguard_host::words::counted(people as u64, "person"),
-                nearest.direction,
-                nearest.distance_m
-            ),
-            None => "no people".to_owned(),
-        },
-        Source::Wheels | Source::Imu => {
-            let twist = moment.pose.twist;
-            format!("{:.2} m/s, {:.2} rad/s", twist.linear_mps, twist.angular_radps)
-        }
-        Source::Command => moment.wanted.map_or_else(String::new, |it| {
-            format!("{:.2} m/s, {:.2} rad/s", it.linear_mps, it.angular_radps)
-        }),
+        Source::Scanner => returns(&moment.around, language),
+        Source::Perception => people(&moment.around, language),
+        Source::Wheels | Source::Imu => motion(&moment.pose.twist),
+        Source::Command => moment.wanted.as_ref().map_or_else(String::new, motion),
         _ => String::new(),
     };
     SourceLine {
         name: report.source.name(),
-        health: report.health.to_string(),
+        health: language.say(&report.health.to_string()).to_owned(),
         age_ms: (report.age_us < u64::MAX).then_some(report.age_us / 1_000),
         saw,
     }
 }
 
+fn returns(around: &Surroundings, language: Language) -> String {
+    let within = |field: &[Point2]| {
+        let inside = |hit: &&_| floorguard_configuration::polygon_contains(field, **hit);
+        around.hits.iter().filter(inside).count().to_string()
+    };
+    language.fill(
+        "{} returns, {} in the protective field, {} in the warning field",
+        &[&around.hits.len().to_string(), &within(&around.protective), &within(&around.warning)],
+    )
+}
+
+fn people(around: &Surroundings, language: Language) -> String {
+    let Some(nearest) = around.nearest_person() else { return language.say("no people").to_owned() };
+    let count = around.followed.iter().filter(|track| track.person).count();
+    let (one, many) = ("{} person, the nearest {}, {} m", "{} people, the nearest {}, {} m");
+    let metres = language.number(nearest.distance_m.into(), 1);
+    let gaps = [count.to_string(), language.say(nearest.direction).to_owned(), metres];
+    language.fill(beside(count as u64, one, many), &[&gaps[0], &gaps[1], &gaps[2]])
+}
+
 /// One row every half second, and one wherever state or cause changed.
-fn rows(snapshots: &[Snapshot]) -> Vec<MomentLine> {
+fn rows(snapshots: &[Snapshot], language: Language) -> Vec<MomentLine> {
     let mut rows: Vec<MomentLine> = Vec::new();
     let mut next_us = 0;
     for (index, snapshot) in snapshots.iter().enumerate() {
-        let row = moment_line(snapshot);
+        let row = moment_line(snapshot, language);
         let same = rows.last().is_some_and(|last| last.state == row.state && held(last) == held(&row));
         let at_us = snapshot.at.as_micros();
         if !same || at_us >= next_us || index + 1 == snapshots.len() {
@@ -244,15 +284,15 @@ fn held(row: &MomentLine) -> &str {
     row.held_by.split(|letter: char| letter.is_ascii_digit()).next().unwrap_or_default()
 }
 
-fn moment_line(snapshot: &Snapshot) -> MomentLine {
+fn moment_line(snapshot: &Snapshot, language: Language) -> MomentLine {
     let decision = &snapshot.decision;
     MomentLine {
         at_s: seconds(snapshot.at.as_micros()),
-        state: format!("{:?}", decision.state),
+        state: state_words(decision, language),
         speed_mps: snapshot.pose.twist.linear_mps,
         permitted_mps: decision.permitted.linear_mps,
         limit_mps: decision.speed_limit_mps,
-        held_by: decision.holding_cause.map_or_else(String::new, |record| record.to_string()),
+        held_by: decision.holding_cause.map_or_else(String::new, |record| cause_words(&record, language)),
         person_m: snapshot.around.nearest_person().map(|nearest| nearest.distance_m),
     }
 }

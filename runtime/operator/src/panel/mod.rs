@@ -19,7 +19,7 @@ mod page;
 #[cfg(test)]
 mod page_tests;
 mod pdf_of_day;
-mod pieces;
+pub(crate) mod pieces;
 mod plain;
 mod records;
 mod schedule_clock;

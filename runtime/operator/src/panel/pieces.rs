@@ -4,6 +4,8 @@
 use floorguard_guard::{CauseRecord, Health, ResetRefusal, Unit};
 use serde::Serialize;
 
+use crate::words::Language;
+
 /// A piece; pieces are joined by commas.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Piece {
@@ -29,6 +31,20 @@ impl Piece {
     fn number(key: &str, number: f64, (digits, unit): (usize, &'static str)) -> Self {
         Self { number: Some(number), digits, unit, ..Self::words(key) }
     }
+}
+
+/// Pieces in a language, as the page says them.
+pub fn spoken(pieces: &[Piece], language: Language) -> String {
+    let phrases = pieces.iter().map(|piece| match (piece.number, &piece.word, &piece.text) {
+        (Some(value), ..) => {
+            let value = language.number(value, piece.digits);
+            language.fill(&piece.key, &[&format!("{value} {}", piece.unit)])
+        }
+        (None, Some(word), _) => language.fill(&piece.key, &[language.say(word)]),
+        (None, None, Some(text)) => language.fill(&piece.key, &[text]),
+        (None, None, None) => language.say(&piece.key).to_owned(),
+    });
+    phrases.collect::<Vec<_>>().join(", ")
 }
 
 /// Of a cause: its name, what was measured, the limit, the age, and what it demands.
@@ -116,6 +132,13 @@ mod tests {
             let shown = format!("{:.*} {}", piece.digits, piece.number.unwrap_or_default(), piece.unit);
             assert!(record.to_string().contains(&shown), "{shown}: {record}");
         }
+        let german =
+            "Hindernis im Schutzfeld (Sicherheitsscanner), gemessen: 0,80 m, Grenze: 1,20 m, 45 ms alt, ";
+        assert!(
+            spoken(&pieces, Language::German).starts_with(german),
+            "{}",
+            spoken(&pieces, Language::German)
+        );
         let code = CauseRecord::new(Cause::DriveFault, Stamp::ZERO).measured(21_569.0, 0.0, Unit::Code);
         assert_eq!(of_cause(&code)[1].text.as_deref(), Some("0x5441"));
     }

@@ -13,11 +13,15 @@ const LANGUAGES: usize = 5;
 const ACTIONS: [Action; 5] =
     [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0];
 
+/// What the page carries with it.
 fn table() -> BTreeMap<String, Vec<String>> {
-    let text = include_str!("page/words.js").trim();
-    let rows = text.strip_prefix("const WORDS =").and_then(|text| text.strip_suffix(';')).expect("a table");
-    let rows: Vec<Vec<String>> = serde_json::from_str(rows).expect("rows of text");
+    let [page, _] = crate::words::parts();
+    of_rows(page)
+}
+
+fn of_rows(rows: crate::words::Rows) -> BTreeMap<String, Vec<String>> {
     let count = rows.len();
+    assert!(count > 100, "the table is read: {count} rows");
     let table: BTreeMap<_, _> = rows.into_iter().map(|row| (row[0].clone(), row)).collect();
     assert_eq!(table.len(), count, "a row stands there twice");
     table
@@ -47,7 +51,8 @@ fn sentences(source: &str) -> Vec<String> {
 
 #[test]
 fn each_row_has_five_languages_and_their_gaps() {
-    for (english, row) in table() {
+    let rows = crate::words::parts().concat();
+    for (english, row) in of_rows(rows) {
         assert_eq!(row.len(), LANGUAGES, "{english}");
         for words in &row {
             assert!(!words.trim().is_empty(), "{english}");

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::history::History;
 use super::style::escaped;
+use crate::words::Language;
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 300.0;
@@ -76,17 +77,21 @@ fn level(svg: &mut String, y: f64, word: &str) {
 pub type SpeedAt = (f64, f32, f32);
 
 /// Speed as a line before the limit as an area, stops as ticks.
-pub fn speeds(duration_s: f64, speeds: &[SpeedAt], stops_s: impl Iterator<Item = f64>) -> String {
+pub fn speeds(
+    (duration_s, language): (f64, Language),
+    speeds: &[SpeedAt],
+    stops_s: impl Iterator<Item = f64>,
+) -> String {
     let axis = Axis { left: LEFT, last_s: duration_s.max(1.0) };
     let fastest = speeds.iter().flat_map(|(_, speed, limit)| [speed.abs(), *limit]).fold(0.6_f32, f32::max);
     let top_mps = fastest * 1.1;
     let bottom = HEIGHT - FOOT;
     let y = |mps: f32| bottom - f64::from(mps.clamp(0.0, top_mps) / top_mps) * (bottom - TOP);
-    let mut svg = open(HEIGHT, "speed and limit over time");
+    let mut svg = open(HEIGHT, language.say("speed and limit over time"));
     let step_mps = if top_mps > 2.0 { 0.5 } else { 0.2 };
     for step in 0..=(top_mps / step_mps) as u8 {
         let mps = f32::from(step) * step_mps;
-        level(&mut svg, y(mps), &format!("{mps:.1}"));
+        level(&mut svg, y(mps), &language.number(mps.into(), 1));
     }
     let (mut limit, mut speed) = (format!("M{:.1} {bottom:.1}", axis.x(0.0)), String::new());
     let mut last_x = axis.x(0.0);
@@ -112,12 +117,12 @@ pub fn speeds(duration_s: f64, speeds: &[SpeedAt], stops_s: impl Iterator<Item =
 }
 
 /// Completion of a mission over time.
-pub fn progress(history: &History) -> String {
+pub fn progress(history: &History, language: Language) -> String {
     const HEIGHT: f64 = 180.0;
     let axis = Axis { left: LEFT, last_s: history.duration_s.max(1.0) };
     let bottom = HEIGHT - FOOT;
     let y = |percent: f64| bottom - percent.clamp(0.0, 100.0) / 100.0 * (bottom - TOP);
-    let mut svg = open(HEIGHT, "progress of the mission over time");
+    let mut svg = open(HEIGHT, language.say("progress of the mission over time"));
     for percent in [0.0, 50.0, 100.0] {
         level(&mut svg, y(percent), &format!("{percent:.0}"));
     }
@@ -144,11 +149,11 @@ const fn colour(level: u8) -> &'static str {
 }
 
 /// A strip for each source: how it was, when.
-pub fn sources(history: &History) -> String {
+pub fn sources(history: &History, language: Language) -> String {
     let axis = Axis { left: NAMES, last_s: history.duration_s.max(1.0) };
     let count = history.sources.len() as f64;
     let bottom = 4.0 + count * STRIP;
-    let mut svg = open(bottom + FOOT, "health of the sources over time");
+    let mut svg = open(bottom + FOOT, language.say("health of the sources over time"));
     for (row, (name, spans)) in history.sources.iter().enumerate() {
         let top = 4.0 + row as f64 * STRIP;
         for (index, (from_s, level, word)) in spans.iter().enumerate() {
@@ -156,12 +161,10 @@ pub fn sources(history: &History) -> String {
             let (x, wide) = (axis.x(*from_s), axis.x(to_s) - axis.x(*from_s));
             let _ = write!(
                 svg,
-                "<rect x=\"{x:.1}\" y=\"{top:.1}\" width=\"{wide:.1}\" height=\"{:.0}\" fill=\"{}\"><title>{} \
-                 {from_s:.1} to {to_s:.1} s: {}</title></rect>",
+                "<rect x=\"{x:.1}\" y=\"{top:.1}\" width=\"{wide:.1}\" height=\"{:.0}\" fill=\"{}\"><title>{}</title></rect>",
                 STRIP - 4.0,
                 colour(*level),
-                escaped(name),
-                escaped(word)
+                escaped(&span_words(language, (name, word), [*from_s, to_s]))
             );
         }
         let _ = write!(
@@ -169,9 +172,15 @@ pub fn sources(history: &History) -> String {
             "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\" dominant-baseline=\"central\">{}</text>",
             NAMES - 8.0,
             top + STRIP / 2.0 - 2.0,
-            escaped(name)
+            escaped(&language.begin(name))
         );
     }
     svg.push_str(&axis.marks(bottom, bottom));
     svg + "</svg>"
+}
+
+/// How a source was, and from when to when.
+fn span_words(language: Language, (name, word): (&str, &str), [from_s, to_s]: [f64; 2]) -> String {
+    let (from, to) = (language.number(from_s, 1), language.number(to_s, 1));
+    language.fill("{} from {} to {} s: {}", &[&language.begin(name), &from, &to, language.say(word)])
 }

@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use floorguard_recording::decode::Grid;
 
+use crate::words::Language;
+
 /// Shades between 0 and 100.
 const SHADES: u8 = 6;
 
@@ -48,20 +50,21 @@ fn known(grid: &Grid) -> (Vec<&[i8]>, [usize; 4]) {
 }
 
 /// How large the floor of the picture is.
-pub fn size(grid: &Grid) -> String {
+pub fn size(grid: &Grid, language: Language) -> String {
     let (_, [left, right, bottom, top]) = known(grid);
-    let metres = |cells: usize| cells as f32 * grid.resolution_m;
-    format!("{:.1} m × {:.1} m.", metres(right - left), metres(top - bottom))
+    let metres = |cells: usize| language.number(f64::from(cells as f32 * grid.resolution_m), 1);
+    format!("{} m × {} m.", metres(right - left), metres(top - bottom))
 }
 
 /// The picture, cut to what is known; unknown cells are the background.
-pub fn picture(grid: &Grid, scale: Scale) -> String {
+pub fn picture(grid: &Grid, scale: Scale, language: Language) -> String {
     let (rows, [left, right, bottom, top]) = known(grid);
     // A cell more on each side, so that the edge is seen to be one.
     let (width, height) = (right - left + 2, top - bottom + 2);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" shape-rendering=\"crispEdges\" \
-         role=\"img\" aria-label=\"floor in cells\"><rect width=\"100%\" height=\"100%\" fill=\"#b8c4cf\"/>"
+         role=\"img\" aria-label=\"{}\"><rect width=\"100%\" height=\"100%\" fill=\"#b8c4cf\"/>",
+        language.say("floor in cells")
     );
     for shade in 0..SHADES {
         let mut path = String::new();
@@ -113,7 +116,7 @@ mod tests {
         cells[43] = 100;
         let header = Header { stamp: Stamp::ZERO, frame: "map".to_owned() };
         let grid = Grid { header, resolution_m: 0.1, width: 10, height: 10, origin: Pose2::default(), cells };
-        let svg = picture(&grid, Scale::State);
+        let svg = picture(&grid, Scale::State, Language::English);
         assert!(svg.contains("viewBox=\"0 0 4 3\"") && svg.contains("M1 1h2v1h-2z"), "{svg}");
         assert!(svg.contains("#7fb77e"), "{svg}");
     }

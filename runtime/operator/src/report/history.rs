@@ -6,6 +6,7 @@ use std::io::Read;
 use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
 use floorguard_types::time::Stamp;
 
+use super::close_up::{self, Fields};
 use floorguard_recording::decode::{self, Cloud, Drawn, Grid, LaserScan, Status};
 use floorguard_recording::mission::MISSION;
 use floorguard_recording::{
@@ -27,6 +28,8 @@ const STANDS_M: std::ops::Range<f32> = 0.2..1.8;
 const FLOAT32: u8 = 7;
 /// Level of a status of an error in `diagnostic_msgs/msg/DiagnosticStatus`: the guard's while it stops the robot.
 const STOPPED: u8 = 2;
+/// Pairs of fields that are kept: a robot has few, a recording of another one may draw a new one in each picture.
+const FIELDS_MAX: usize = 64;
 /// More pictures of stops than this make the page too long for a phone.
 const MOMENTS_MAX: usize = 80;
 
@@ -78,6 +81,10 @@ pub struct Sighting {
     pub speed_mps: f32,
     /// People, each with its number.
     pub people: Vec<(i32, Point2)>,
+    /// What the scanner saw around the robot, as [`close_up::seen`] packs it; empty without a scanner.
+    pub seen: String,
+    /// Which of [`History::fields`] were watched; none before the first.
+    pub fields: Option<usize>,
 }
 
 /// A scan where it was taken, for the map.
@@ -108,6 +115,8 @@ pub struct History {
     pub driven_m: f64,
     /// Twice a second.
     pub sightings: Vec<Sighting>,
+    /// Every pair of fields that was watched.
+    pub fields: Vec<Fields>,
     /// Speed and limit.
     pub speeds: Vec<Speed>,
     /// Where each person was, by number.
@@ -230,7 +239,8 @@ impl Reader {
         }
         if self.history.sightings.last().is_none_or(|last| at_s >= last.at_s + SIGHTING_S) {
             let (pose, people, speed_mps) = (self.pose, self.people.clone(), odometry.twist.linear_mps);
-            self.history.sightings.push(Sighting { at_s, pose, speed_mps, people });
+            let (seen, fields) = (close_up::seen(&self.around()), self.watched());
+            self.history.sightings.push(Sighting { at_s, pose, speed_mps, people, seen, fields });
         }
         if at_s >= self.next_speed_s {
             self.next_speed_s = at_s + SPEED_S;
@@ -302,22 +312,41 @@ impl Reader {
         }
     }
 
-    fn moment(&self, pose: Pose2) -> Moment {
+    /// What the scanner saw last, in the robot's frame.
+    fn around(&self) -> Vec<Point2> {
+        let Some(scan) = &self.scan else { return Vec::new() };
+        let (mounting, upside_down) = self.mounting(&scan.header.frame);
+        hits(scan, upside_down).into_iter().map(|point| mounting.transform(point)).collect()
+    }
+
+    fn outlines(&self) -> Fields {
         let outline = |group: &str| {
             let found = self.fields.iter().find(|drawn| drawn.group == group);
             found.map(|drawn| drawn.points.clone()).unwrap_or_default()
         };
-        let seen = self.scan.as_ref().map(|scan| {
-            let (mounting, upside_down) = self.mounting(&scan.header.frame);
-            hits(scan, upside_down).into_iter().map(|point| mounting.transform(point)).collect()
-        });
-        let to_robot = pose.inverse();
-        Moment {
-            hits: seen.unwrap_or_default(),
-            people: self.people.iter().map(|(id, place)| (*id, to_robot.transform(*place))).collect(),
-            protective: outline(describe::PROTECTIVE_GROUP),
-            warning: outline(describe::WARNING_GROUP),
+        Fields { protective: outline(describe::PROTECTIVE_GROUP), warning: outline(describe::WARNING_GROUP) }
+    }
+
+    /// The fields that are watched, kept once.
+    fn watched(&mut self) -> Option<usize> {
+        let fields = self.outlines();
+        if fields == Fields::default() {
+            return None;
         }
+        let known = &mut self.history.fields;
+        let found = known.iter().position(|other| *other == fields);
+        if found.is_none() && known.len() < FIELDS_MAX {
+            known.push(fields);
+            return Some(known.len() - 1);
+        }
+        found
+    }
+
+    fn moment(&self, pose: Pose2) -> Moment {
+        let to_robot = pose.inverse();
+        let Fields { protective, warning } = self.outlines();
+        let people = self.people.iter().map(|(id, place)| (*id, to_robot.transform(*place))).collect();
+        Moment { hits: self.around(), people, protective, warning }
     }
 
     /// A cause that has not held the robot during this stop; causes that take turns are reported once.

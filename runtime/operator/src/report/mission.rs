@@ -6,50 +6,60 @@ use super::charts;
 use super::grids::{self, Scale};
 use super::history::History;
 use super::proof::{self, ASSUMED, CLEANED, TO_DO};
-use super::style::{chart, count_tile, tiles};
+use super::style::{chart, count_tile_in, tiles};
+use crate::words::Language;
 use floorguard_recording::decode::Grid;
 use floorguard_recording::topics;
 
+const STATE_LEGEND: &str = "Green: cleaned in this run. Blue: assumed clean. Yellow: swept, but not surely enough. \
+White: to do. Grey: not the mission's floor.";
+
 /// The section; nothing for a run without a mission.
-pub fn section(html: &mut String, history: &History) {
+pub fn section(html: &mut String, history: &History, language: Language) {
     let Some((_, last)) = history.mission.last() else { return };
     let value = |name: &str| last.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value.as_str());
-    html.push_str("<h2>Cleaning mission</h2>");
-    let share = |name: &str| format!("{} %", value(name));
+    let say = |words: &'static str| language.say(words);
+    let _ = write!(html, "<h2>{}</h2>", say("Cleaning mission"));
+    let share = |name: &str| format!("{} %", language.decimals(value(name)));
     let dirt = |name: &str| value(name).parse::<f64>().unwrap_or(0.0);
     let gone = 100.0 * (1.0 - dirt("dirt_now_units") / dirt("dirt_before_units").max(1.0e-6));
     html.push_str(&tiles([
-        (share("completion_percent"), "of the dirty floor claimed clean", ""),
-        (share("claimed_percent"), "of all floor claimed clean", ""),
-        (format!("{} m²", value("remaining_m2")), "remaining", ""),
-        (format!("{gone:.0} %"), "of the expected dirt gone", ""),
-        (format!("{} s", value("waited_s")), "waited for people", ""),
-        count_tile(value("uncertain_cells").parse().unwrap_or(0), "cell not claimed", "cells not claimed"),
+        (share("completion_percent"), say("of the dirty floor claimed clean"), ""),
+        (share("claimed_percent"), say("of all floor claimed clean"), ""),
+        (format!("{} m²", language.decimals(value("remaining_m2"))), say("remaining"), ""),
+        (format!("{gone:.0} %"), say("of the expected dirt gone"), ""),
+        (format!("{} s", language.decimals(value("waited_s"))), say("waited for people"), ""),
+        count_tile_in(
+            language,
+            value("uncertain_cells").parse().unwrap_or(0),
+            ["cell not claimed", "cells not claimed"],
+        ),
     ]));
-    html.push_str(&chart(&charts::progress(history)));
-    html.push_str("<p class=legend>Line: dirty floor claimed clean, percent, over the time of the run.</p>");
+    html.push_str(&chart(&charts::progress(history, language)));
+    let line = say("Line: dirty floor claimed clean, percent, over the time of the run.");
+    let _ = write!(html, "<p class=legend>{line}</p>");
     if let Some((_, claimed)) = history.grids.get(topics::CLAIMED) {
-        html.push_str("<h3>The floor</h3>");
-        html.push_str(&grids::picture(&states(history, claimed), Scale::State));
         let _ = write!(
             html,
-            "<p class=legend>Green: cleaned in this run. Blue: assumed clean. Yellow: swept, but not surely enough. \
-             White: to do. Grey: not the mission's floor. {}</p>",
-            grids::size(claimed)
+            "<h3>{}</h3>{}<p class=legend>{} {}</p>",
+            say("The floor"),
+            grids::picture(&states(history, claimed), Scale::State, language),
+            say(STATE_LEGEND),
+            grids::size(claimed, language)
         );
     }
     if let Some((before, after)) = history.grids.get(topics::DIRT) {
-        html.push_str("<h3>Dirt before and after</h3><div class=pair>");
+        let _ = write!(html, "<h3>{}</h3><div class=pair>", say("Dirt before and after"));
         for (grid, when) in [(before, "before"), (after, "after")] {
             let _ = write!(
                 html,
-                "<figure>{}<figcaption>{when}</figcaption></figure>",
-                grids::picture(grid, Scale::Dirt)
+                "<figure>{}<figcaption>{}</figcaption></figure>",
+                grids::picture(grid, Scale::Dirt, language),
+                say(when)
             );
         }
-        html.push_str(
-            "</div><p class=legend>Expected dirt; darkest: as much as the dirtiest place had before.</p>",
-        );
+        let legend = say("Expected dirt; darkest: as much as the dirtiest place had before.");
+        let _ = write!(html, "</div><p class=legend>{legend}</p>");
     }
 }
 
@@ -86,7 +96,7 @@ mod tests {
         history.grids.insert(topics::CLAIMED.to_owned(), (first, last.clone()));
         let shown = states(&history, &last);
         assert_eq!(shown.cells, [20, 20, 100, 50, -1, 0]);
-        let svg = grids::picture(&shown, Scale::State);
+        let svg = grids::picture(&shown, Scale::State, Language::English);
         assert!(svg.contains("M1 1h2v1h-2z\" fill=\"#8ab6d6\""), "{svg}");
         assert!(svg.contains("M3 1h1v1h-1z\" fill=\"#7fb77e\""), "{svg}");
     }

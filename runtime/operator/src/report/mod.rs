@@ -1,6 +1,7 @@
 //! The report of a recording as one page, and the parts of which every report is made.
 
 pub mod charts;
+mod close_up;
 mod document;
 mod folder;
 mod grids;
@@ -8,11 +9,13 @@ mod history;
 mod mission;
 mod pdf;
 mod proof;
+mod proof_section;
 mod sheet;
 mod sketch;
 mod slider;
 pub mod style;
 
+pub use close_up::Fields;
 pub use document::document;
 pub use folder::make_folder;
 pub use history::{History, read_history};

@@ -2,6 +2,7 @@
 
 use super::history::History;
 use super::proof::{Cell, Cleaning, Proof, cells, day_and_time};
+use super::proof_section::{claim, rest};
 use super::sheet::Sheet;
 use crate::words::Language;
 use floorguard_recording::topics;
@@ -66,13 +67,7 @@ fn stops(sheet: &mut Sheet, proof: &Proof, language: Language) {
 fn claims(sheet: &mut Sheet, cleaning: &Cleaning, language: Language) {
     sheet.heading(language.say("What is claimed"));
     let number = |value: f64, digits: usize| language.number(value, digits);
-    let claim = match (cleaning.confidence_percent, cleaning.tolerated_units) {
-        (Some(percent), Some(units)) => language.fill(
-            "with {} % confidence no more than {} units of dirt in each cell",
-            &[&number(percent, 1), &units.to_string()],
-        ),
-        _ => language.say("clean").to_owned(),
-    };
+    let claim = claim(cleaning, language);
     let rows = [
         ("cleaned", cleaning.cleaned_m2, claim.as_str()),
         (
@@ -95,11 +90,7 @@ fn claims(sheet: &mut Sheet, cleaning: &Cleaning, language: Language) {
         let why = language.say(&reason.reason);
         sheet.row(&[(0.0, language.say("not claimed")), (130.0, &cells), (200.0, why)], false);
     }
-    let rest = language.fill(
-        "{} % of the expected dirt is gone; the robot waited {} s for people. At the end the mission was: {}.",
-        &[&number(cleaning.dirt_gone_percent, 0), &number(cleaning.waited_s, 0), language.say(&cleaning.phase)],
-    );
-    sheet.row(&[(0.0, &rest)], false);
+    sheet.row(&[(0.0, &rest(cleaning, language))], false);
 }
 
 /// The floor in three colours, as on the panel.

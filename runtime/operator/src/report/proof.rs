@@ -1,5 +1,4 @@
-//! The proof of cleaning: what was cleaned, claimed with which confidence, what not and why; for a customer on paper, and for
-//! other programs as JSON and CSV.
+//! The proof of cleaning: what was cleaned, claimed with which confidence, what not and why; for other programs as JSON and CSV.
 
 use std::fmt::Write as _;
 
@@ -8,7 +7,7 @@ use floorguard_runtime::digest::Fnv64;
 use serde::Serialize;
 
 use super::history::History;
-use super::style::escaped;
+use crate::words::Language;
 use floorguard_recording::decode::Grid;
 use floorguard_recording::mission::DOUBTS;
 use floorguard_recording::replay::MISSION;
@@ -100,11 +99,11 @@ pub struct Proof {
     pub cleaning: Option<Cleaning>,
 }
 
-/// Of a recording.
+/// Of a recording; names of robot, software and map in the language, causes and reasons in English, as the recording has them.
 #[must_use]
-pub fn proof(history: &History, circumstances: &Circumstances) -> Proof {
+pub fn proof(history: &History, circumstances: &Circumstances, language: Language) -> Proof {
     let text = |key: &str| history.texts.get(key).map(String::as_str);
-    let fingerprint = text("robot.toml").map(|toml| format!("configuration {}", digest(toml)));
+    let fingerprint = text("robot.toml").map(|toml| language.fill("configuration {}", &[&digest(toml)]));
     Proof {
         version: VERSION,
         recording: circumstances.recording.clone(),
@@ -112,11 +111,11 @@ pub fn proof(history: &History, circumstances: &Circumstances) -> Proof {
         robot: match (&circumstances.robot, fingerprint) {
             (Some(name), Some(fingerprint)) => format!("{name} ({fingerprint})"),
             (Some(name), None) => name.clone(),
-            (None, fingerprint) => fingerprint.unwrap_or_else(|| "unknown".to_owned()),
+            (None, fingerprint) => fingerprint.unwrap_or_else(|| language.say("unknown").to_owned()),
         },
         operator: circumstances.operator.clone().unwrap_or_default(),
-        software: format!("floorguard {}", text("version").unwrap_or("of an unknown version")),
-        map: text(MISSION).and_then(map_words).unwrap_or_default(),
+        software: format!("floorguard {}", text("version").unwrap_or(language.say("of an unknown version"))),
+        map: text(MISSION).and_then(|mission| map_words(mission, language)).unwrap_or_default(),
         duration_s: history.duration_s,
         driven_m: history.driven_m,
         stops: history
@@ -134,18 +133,16 @@ fn digest(text: &str) -> String {
     format!("{:016x}", digest.value())
 }
 
-fn map_words(mission: &str) -> Option<String> {
+fn map_words(mission: &str, language: Language) -> Option<String> {
     let mission: serde_json::Value = serde_json::from_str(mission).ok()?;
     let map = mission.get("map")?;
     let number = |value: &serde_json::Value| value.as_f64();
     let (width, height) = (number(map.get("size")?.get(0)?)?, number(map.get("size")?.get(1)?)?);
     let edge_m = number(map.get("resolution_m")?)?;
-    Some(format!(
-        "{:.1} m x {:.1} m, cells of {edge_m:.2} m, fingerprint {}",
-        width * edge_m,
-        height * edge_m,
-        digest(&map.to_string())
-    ))
+    let size = [(width * edge_m, 1), (height * edge_m, 1), (edge_m, 2)];
+    let [width, height, edge] = size.map(|(metres, digits)| language.number(metres, digits));
+    let fingerprint = digest(&map.to_string());
+    Some(language.fill("{} m x {} m, cells of {} m, fingerprint {}", &[&width, &height, &edge, &fingerprint]))
 }
 
 fn cleaning(history: &History) -> Option<Cleaning> {
@@ -265,63 +262,6 @@ pub fn cells_csv(cells: &[Cell]) -> String {
     text
 }
 
-/// The first section of the page: who, when, with what; and of a mission what was cleaned and what not.
-#[must_use]
-pub fn section(proof: &Proof) -> String {
-    let mut html = String::new();
-    let date = day_and_time(&proof.date);
-    let rows = [
-        ("date", date.as_str()),
-        ("robot", proof.robot.as_str()),
-        ("operator", proof.operator.as_str()),
-        ("software", proof.software.as_str()),
-        ("map", proof.map.as_str()),
-        ("recording", proof.recording.as_str()),
-    ];
-    html.push_str("<dl class=facts>");
-    for (name, text) in rows.into_iter().filter(|(_, text)| !text.is_empty()) {
-        let _ = write!(html, "<dt>{name}<dd>{}", escaped(text));
-    }
-    html.push_str("</dl>");
-    if let Some(cleaning) = &proof.cleaning {
-        html.push_str(&cleaned(cleaning));
-    }
-    html
-}
-
-fn cleaned(cleaning: &Cleaning) -> String {
-    let mut html = "<h2>Proof of cleaning</h2><table class=proof><tr><th>floor<th class=num>area<th>what is claimed</tr>".to_owned();
-    let claim = match (cleaning.confidence_percent, cleaning.tolerated_units) {
-        (Some(percent), Some(units)) => {
-            format!("with {percent:.1} % confidence no more than {units} units of dirt in each cell")
-        }
-        _ => "clean".to_owned(),
-    };
-    let rows = [
-        ("cleaned", cleaning.cleaned_m2, claim.as_str()),
-        ("assumed clean", cleaning.assumed_m2, "no dirt was expected there; not cleaned in this run"),
-        ("not claimed", cleaning.to_do_m2, "nothing; the reasons stand below"),
-    ];
-    for (name, area_m2, claim) in rows {
-        let _ = write!(html, "<tr><td>{name}<td class=num>{area_m2:.1} m²<td>{claim}</tr>");
-    }
-    let _ = write!(
-        html,
-        "</table><p>{:.0} % of the expected dirt is gone; the robot waited {:.0} s for people. At the end the mission was: {}.</p>",
-        cleaning.dirt_gone_percent,
-        cleaning.waited_s,
-        escaped(&cleaning.phase)
-    );
-    if !cleaning.not_claimed.is_empty() {
-        html.push_str("<table class=proof><tr><th>not claimed, because<th class=num>cells</tr>");
-        for NotClaimed { reason, cells } in &cleaning.not_claimed {
-            let _ = write!(html, "<tr><td>{}<td class=num>{cells}</tr>", escaped(reason));
-        }
-        html.push_str("</table>");
-    }
-    html + "<div class=sign><div>operator</div><div>customer</div><div>date</div></div>"
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -368,7 +308,7 @@ mod tests {
         let cells = cells(&history());
         let states: Vec<_> = cells.iter().map(|cell| cell.state).collect();
         assert_eq!(states, [ASSUMED, CLEANED, CLEANED, UNSURE]);
-        let proof = proof(&history(), &Circumstances::default());
+        let proof = proof(&history(), &Circumstances::default(), Language::English);
         let cleaning = proof.cleaning.expect("a mission");
         assert_eq!((cleaning.cleaned_m2, cleaning.assumed_m2, cleaning.to_do_m2), (0.5, 0.25, 0.25));
         assert_eq!(cleaning.confidence_percent, Some(99.0));
@@ -381,7 +321,8 @@ mod tests {
     fn schema_names_the_fields() {
         let schema: serde_json::Value =
             serde_json::from_str(include_str!("../../../../docs/report.schema.json")).expect("JSON");
-        let proof = serde_json::to_value(proof(&history(), &Circumstances::default())).expect("JSON");
+        let proof = serde_json::to_value(proof(&history(), &Circumstances::default(), Language::English))
+            .expect("JSON");
         let names = |value: &serde_json::Value| -> Vec<String> {
             let mut names: Vec<_> = value.as_object().expect("an object").keys().cloned().collect();
             names.sort();

@@ -7,6 +7,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 
 use super::history::{HEAT_M, History, MapScan, Moment, Stop};
 use crate::picture::spread;
+use crate::words::Language;
 
 /// Edge of a cell of the map, metres.
 const CELL_M: f32 = 0.1;
@@ -161,15 +162,12 @@ fn ground(frame: &Frame, cells: &Cells) -> String {
 }
 
 /// The map, the robot's path, the paths of people, and every stop with its number.
-pub fn overview(history: &History) -> String {
+pub fn overview(history: &History, language: Language) -> String {
     let cells = map(&history.scans);
     let frame = everything(history, &cells);
     // Its marks are links: a picture that is one piece would hide them.
-    let mut svg = frame.open("map with the path of the robot, people and stops").replacen(
-        "role=\"img\"",
-        "role=\"group\"",
-        1,
-    );
+    let label = language.say("map with the path of the robot, people and stops");
+    let mut svg = frame.open(label).replacen("role=\"img\"", "role=\"group\"", 1);
     svg.push_str(&ground(&frame, &cells));
     for (index, path) in history.people.values().filter(|path| path.len() > 5).enumerate() {
         let hue = index * 47 % 360;
@@ -203,8 +201,8 @@ pub fn overview(history: &History) -> String {
 const MOMENTS_MAX: usize = 2_000;
 
 /// The moments of the run in pixels of the overview: seconds, robot x, y, heading in degrees, speed, and x, y and number of each
-/// person; as text for a script.
-pub fn moments(history: &History) -> String {
+/// person, the number of the fields and what the scanner saw; as text for a script. Beside it pixels a metre.
+pub fn moments(history: &History) -> (String, f32) {
     let frame = everything(history, &map(&history.scans));
     let every = history.sightings.len().div_ceil(MOMENTS_MAX).max(1);
     let mut text = "[".to_owned();
@@ -223,16 +221,17 @@ pub fn moments(history: &History) -> String {
             let comma = if number == 0 { "" } else { "," };
             let _ = write!(text, "{comma}{x:.0},{y:.0},{id}");
         }
-        text.push_str("]]");
+        let fields = sighting.fields.and_then(|index| i64::try_from(index).ok()).unwrap_or(-1);
+        let _ = write!(text, "],{fields},\"{}\"]", sighting.seen);
     }
-    text + "]"
+    (text + "]", frame.pixels_per_m)
 }
 
 /// Where people were, and for how long.
-pub fn heat(history: &History) -> String {
+pub fn heat(history: &History, language: Language) -> String {
     let cells = map(&history.scans);
     let frame = everything(history, &cells);
-    let mut svg = frame.open("heat map of people");
+    let mut svg = frame.open(language.say("heat map of people"));
     svg.push_str(&ground(&frame, &cells));
     let most = history.heat.values().copied().max().unwrap_or(1).max(1) as f32;
     // Five steps, each four times as long as the one before.
@@ -248,7 +247,7 @@ pub fn heat(history: &History) -> String {
 }
 
 /// What surrounded the robot when it stopped; its front is up.
-pub fn moment(stop: &Stop, moment: &Moment, footprint: &[Point2]) -> String {
+pub fn moment(stop: &Stop, moment: &Moment, (footprint, language): (&[Point2], Language)) -> String {
     const PX: f32 = 300.0;
     // Forward is up, left is left.
     let at = |point: Point2| {
@@ -264,9 +263,9 @@ pub fn moment(stop: &Stop, moment: &Moment, footprint: &[Point2]) -> String {
         path + "z"
     };
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {PX} {PX}\" role=\"img\" aria-label=\"around the \
-         robot at {:.1} s\"><rect width=\"100%\" height=\"100%\" fill=\"#fff\" stroke=\"#d8dee5\"/>",
-        stop.at_s
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {PX} {PX}\" role=\"img\" aria-label=\"{}\"><rect \
+         width=\"100%\" height=\"100%\" fill=\"#fff\" stroke=\"#d8dee5\"/>",
+        language.fill("around the robot at {} s", &[&language.number(stop.at_s, 1)])
     );
     for (points, colour) in [(&moment.warning, "#f4d58d"), (&moment.protective, "#f1a9a0")] {
         if points.len() > 2 {

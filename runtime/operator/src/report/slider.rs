@@ -1,38 +1,34 @@
-//! A slider over the run: it moves the robot and the people on the map of the report.
+//! A slider over the run: it moves the robot and the people on the map of the report, and shows what surrounded the robot.
 
+use floorguard_types::geometry::Point2;
+
+use super::close_up;
 use super::history::History;
 use super::sketch;
+use crate::words::Language;
 
-/// Moves what is drawn in the group `now` of the map; without scripts the map shows the whole run.
-const SCRIPT: &str = r##"
-const slide = document.querySelector(".slide input"), shown = document.querySelector(".slide output"), now = document.getElementById("now");
-function at(i) {
-  const [t, x, y, turn, v, people] = MOMENTS[i];
-  let svg = `<g transform="translate(${x} ${y}) rotate(${turn})"><path d="M-12 -9H8L18 0L8 9H-12z" fill="#0b5394" stroke="#fff" stroke-width="2"/></g>`;
-  for (let k = 0; k < people.length; k += 3) svg += `<circle cx="${people[k]}" cy="${people[k + 1]}" r="9" fill="#b34700" stroke="#fff" stroke-width="2"/>`;
-  now.innerHTML = svg;
-  let held = "";
-  for (const [from, cause] of STOPS) if (from <= t) held = cause;
-  shown.textContent = t.toFixed(1) + " s, " + v.toFixed(2) + " m/s" + (Math.abs(v) < 0.02 && held ? ", last stop: " + held : "");
-  slide.setAttribute("aria-valuetext", shown.textContent);
-}
-slide.max = MOMENTS.length - 1;
-slide.oninput = () => at(+slide.value);
-at(0);
-"##;
+/// Moves what is drawn in the group `now` of the map, and draws the moment's picture beside the slider; without scripts the map
+/// shows the whole run.
+const SCRIPT: &str = include_str!("slider.js");
 
 /// The slider with its script; nothing for a recording without odometry.
-pub fn slider(history: &History) -> String {
+pub fn slider(history: &History, footprint: &[Point2], language: Language) -> String {
     if history.sightings.len() < 2 {
         return String::new();
     }
-    let stops: Vec<(f64, &str)> =
-        history.stops.iter().map(|stop| (stop.at_s, stop.status.name.as_str())).collect();
+    let stops: Vec<(f64, String)> =
+        history.stops.iter().map(|stop| (stop.at_s, language.begin(&stop.status.name))).collect();
     // Nothing in the texts may end the script.
     let stops = serde_json::to_string(&stops).unwrap_or_default().replace('<', "\\u003c");
+    let last = serde_json::to_string(language.say("last stop: {}")).unwrap_or_default();
+    let (moments, pixels_per_m) = sketch::moments(history);
     format!(
-        "<div class=slide><label for=moment>moment</label><input id=moment type=range min=0 value=0 step=1><output \
-         for=moment></output></div><script>const MOMENTS={},STOPS={stops};{SCRIPT}</script>",
-        sketch::moments(history)
+        "<div class=slide><label for=moment>{}</label><input id=moment type=range min=0 value=0 step=1><output \
+         for=moment></output><svg id=close viewBox=\"0 0 300 300\" role=img aria-label=\"{}\"></svg></div><script>const \
+         MOMENTS={moments},PX={pixels_per_m:.3},FIELDS={},BODY={},STOPS={stops},LAST={last};{SCRIPT}</script>",
+        language.say("moment"),
+        language.say("what surrounded the robot at this moment"),
+        close_up::outlines(&history.fields),
+        close_up::outline(footprint),
     )
 }

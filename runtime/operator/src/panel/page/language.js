@@ -17,6 +17,14 @@ function number(value, digits = 0) {
   return numbers.get(digits).format(value);
 }
 
+// Feet where the browser's country measures in them, metres everywhere else; what is kept and sent is metric.
+const FOOT_M = 0.3048, inFeet = (tag => { try { return ["US", "LR"].includes(new Intl.Locale(tag).region); } catch { return false; } })(navigator.language || "en");
+// The value that is shown, its digits, and its unit.
+const UNITS = {m: [FOOT_M, "ft"], "m/s": [FOOT_M, "ft/s"], "m²": [FOOT_M ** 2, "ft²"], "m²/h": [FOOT_M ** 2, "ft²/h"]};
+function unitOf(unit) { return inFeet && UNITS[unit] ? UNITS[unit][1] : unit; }
+function valueIn(value, unit, digits = 0) { return inFeet && UNITS[unit] ? number(value / UNITS[unit][0], Math.max(digits - 1, 0)) : number(value, digits); }
+function measure(value, unit, digits = 0) { return valueIn(value, unit, digits) + "\u00a0" + unitOf(unit); }
+
 function moment(iso) { return new Intl.DateTimeFormat(language, {dateStyle: "short", timeStyle: "short"}).format(new Date(iso)); }
 
 function element(name, text, kind) {

@@ -135,6 +135,7 @@ function draw() {
   drawGround(g, [w, h, ratio]);
   if (!(plan && plan.width)) { g.save(); g.translate(...at([0, 0])); g.scale(scale, -scale); g.fillStyle = colours.wall; g.fill(walls); g.restore(); }
   drawAreas(g, at);
+  if (shown.held) drawHeld(g, at);
   // Where the brush has been; without a mission that is all there is to say about the floor.
   if (shown.track) { g.save(); g.globalAlpha = frame.mission ? 0.18 : 0.4; g.strokeStyle = colours.cleaned; g.lineWidth = 0.55 * scale; trace(path, at); g.stroke(); g.restore(); }
   g.strokeStyle = colours.robot; g.lineWidth = 1.5; trace(path, at); g.stroke();
@@ -157,9 +158,9 @@ function draw() {
 // All at once: a hundred people cost no more than a few.
 function drawPeople(g, at) {
   const scale = sight.scale, line = points => points.forEach((p, i) => { const [x, y] = at(p); i ? g.lineTo(x, y) : g.moveTo(x, y); });
-  g.strokeStyle = colours.person + "80"; g.lineWidth = 3; g.beginPath();
+  g.strokeStyle = colours.person + "80"; g.lineWidth = 3; g.lineJoin = "bevel"; g.beginPath();
   for (const trail of trails.values()) line(trail);
-  g.stroke();
+  g.stroke(); g.lineJoin = "round";
   for (const isPerson of [false, true]) {
     const those = frame.people.filter(p => p.person === isPerson), radius = Math.max((isPerson ? 0.28 : 0.15) * scale, 3);
     g.fillStyle = g.strokeStyle = isPerson ? colours.person : colours.other; g.lineWidth = 2;
@@ -191,7 +192,7 @@ function drawHolder(g, onRobot, w) {
   g.beginPath(); g.moveTo(rx, ry); g.lineTo(x, y); g.stroke(); g.setLineDash([]);
   g.lineWidth = 5; g.beginPath(); g.arc(x, y, Math.max(0.42 * sight.scale, 14), 0, 7); g.stroke();
   g.font = "600 16px system-ui"; g.textAlign = x > w / 2 ? "right" : "left";
-  label(g, t(frame.holder.what) + ", " + number(frame.holder.distance_m, 1) + " m", x + (x > w / 2 ? -24 : 24), y - 20, colours.holder);
+  label(g, t(frame.holder.what) + ", " + measure(frame.holder.distance_m, "m", 1), x + (x > w / 2 ? -24 : 24), y - 20, colours.holder);
 }
 
 function label(g, words, x, y, colour) {
@@ -201,8 +202,8 @@ function label(g, words, x, y, colour) {
 
 // A bar of a round length, so that distances can be judged.
 function drawScale(g) {
-  const metres = [50, 20, 10, 5, 2, 1, 0.5].find(m => m * sight.scale <= 160) || 0.2;
-  g.fillStyle = colours.paper; g.fillRect(6, 6, metres * sight.scale + 16, 24);
-  g.fillStyle = colours.ink; g.fillRect(14, 24, metres * sight.scale, 2);
-  g.font = "12px system-ui"; g.textAlign = "left"; g.fillText(number(metres, metres < 1 ? 1 : 0) + " m", 14, 20);
+  const edge = inFeet ? FOOT_M : 1, length = [100, 50, 20, 10, 5, 2, 1, 0.5].find(n => n * edge * sight.scale <= 160) || 0.2;
+  g.fillStyle = colours.paper; g.fillRect(6, 6, Math.max(length * edge * sight.scale, 30) + 16, 24);
+  g.fillStyle = colours.ink; g.fillRect(14, 24, length * edge * sight.scale, 2);
+  g.font = "12px system-ui"; g.textAlign = "left"; g.fillText(number(length, length < 1 ? 1 : 0) + " " + unitOf("m"), 14, 20);
 }

@@ -1,16 +1,18 @@
 // A token in the address opens the buttons: after the # it does not go over the line by itself.
 const token = location.hash.slice(1);
 const headers = token ? {Authorization: "Bearer " + token} : {};
+// Where people were in the last seconds, a place every so often: a hundred of them are drawn in each picture.
+const TRAIL_S = 6, TRAIL_STEP_M = 0.3, TRAIL_MAX = 24;
 const trails = new Map(), path = [];
 let frame = null, floor = null, plan = null, role = "viewer", asking = false;
-const shown = {claimed: true, track: true, dirt: false};
+const shown = {claimed: true, track: true, dirt: false, held: false};
 
 // The person or object that holds the robot, as one would say it beside the robot.
-function holderWords(holder) { return t(holder.what) + " (" + t(holder.direction) + ", " + number(holder.distance_m, 1) + "\u00a0m)"; }
+function holderWords(holder) { return t(holder.what) + " (" + t(holder.direction) + ", " + measure(holder.distance_m, "m", 1) + ")"; }
 
 // What the guard says, piece by piece.
 function spokenPieces(pieces) {
-  const gap = piece => piece.number !== null ? number(piece.number, piece.digits) + "\u00a0" + piece.unit : piece.word ? t(piece.word) : piece.text ?? undefined;
+  const gap = piece => piece.number !== null ? measure(piece.number, piece.unit, piece.digits) : piece.word ? t(piece.word) : piece.text ?? undefined;
   return pieces.map(piece => t(piece.key, gap(piece))).join(", ");
 }
 
@@ -26,10 +28,10 @@ function show(next) {
   const state = t(next.state);
   $("state").textContent = next.paused ? t("{} (paused)", state) : state;
   $("state").className = next.state;
-  $("speed").textContent = number(Math.abs(next.speed_mps), 2);
-  $("limit").textContent = number(next.limit_mps, 2);
+  $("speed").textContent = measure(Math.abs(next.speed_mps), "m/s", 2);
+  $("limit").textContent = measure(next.limit_mps, "m/s", 2);
   $("people").textContent = next.people.filter(p => p.person).length;
-  $("driven").textContent = number(next.driven_m, 1);
+  $("driven").textContent = measure(next.driven_m, "m", 1);
   showCause(next);
   const enable = (order, yes) => { document.querySelector("[data-order=" + order + "]").disabled = !yes; };
   enable("pause", !next.paused); enable("resume", next.paused); enable("reset", next.reset_allowed); enable("start", next.start_allowed);
@@ -52,8 +54,9 @@ function show(next) {
   for (const person of next.people.filter(p => p.person)) {
     seen.add(person.id);
     const trail = trails.get(person.id) || [];
-    trail.push(person.at_m);
-    if (trail.length > 60) trail.shift();
+    const before = trail[trail.length - 1];
+    if (!before || Math.hypot(before[0] - person.at_m[0], before[1] - person.at_m[1]) > TRAIL_STEP_M) trail.push([...person.at_m, next.time_s]);
+    while (trail.length > TRAIL_MAX || (trail.length && next.time_s - trail[0][2] > TRAIL_S)) trail.shift();
     trails.set(person.id, trail);
   }
   for (const id of trails.keys()) if (!seen.has(id)) { const trail = trails.get(id); trail.shift(); if (!trail.length) trails.delete(id); }
@@ -90,7 +93,7 @@ function showCause(next) {
   }
   const key = JSON.stringify([language, next.cause && next.cause.text.replace(/[\d.]+/g, ""), next.first_cause && next.first_cause.name, next.reset_refused]);
   if ($("why").dataset.key !== key) { $("why").dataset.key = key; $("why").replaceChildren(...why); }
-  const words = headline.replace(/,? ?[\d.,]+\sm\b/g, "");
+  const words = headline.replace(/,? ?[\d.,]+\s(m|ft)\b/g, "");
   if (words !== announced) { announced = words; $("live").textContent = headline + ". " + (next.cause ? t(next.cause.remedy) : ""); }
 }
 
@@ -104,9 +107,9 @@ function showMission(next) {
   const all = Math.max(areas.c + areas.a + areas.d, 0.01);
   for (const letter of "cad") {
     document.querySelector("#bar ." + letter).style.width = 100 * areas[letter] / all + "%";
-    $("m2" + letter).textContent = number(areas[letter], 1) + " m²";
+    $("m2" + letter).textContent = measure(areas[letter], "m²", 1);
   }
-  $("bar").setAttribute("aria-label", t("cleaned by me") + " " + number(areas.c) + " m², " + t("assumed clean") + " " + number(areas.a) + " m², " + t("to do") + " " + number(areas.d) + " m²");
+  $("bar").setAttribute("aria-label", t("cleaned by me") + " " + measure(areas.c, "m²") + ", " + t("assumed clean") + " " + measure(areas.a, "m²") + ", " + t("to do") + " " + measure(areas.d, "m²"));
   $("doubts").textContent = [[mission.completion_percent, "{} % of the dirty floor claimed clean"], [mission.claimed_percent, "{} % of all floor"], [mission.dirt_percent, "{} % of the dirt still expected"],
     [mission.uncertain_cells, "{} cells not claimed"], [mission.unreachable_cells, "{} cells out of reach"], [mission.waited_s, "waited {} s"]].map(([value, words]) => t(words, number(value))).join("; ");
   const queue = next.queue, runs = !["done", "cancelled"].includes(mission.phase);

@@ -80,9 +80,9 @@ async function showRobots(next) {
     line.append(link);
     if (!brief) { line.append(": ", element("small", t(String(robot.problem || "no picture yet")))); return line; }
     const parts = brief.headline_parts || {}, holder = brief.holder;
-    const gap = parts.cause ? t(String(parts.cause)) : holder ? t(String(holder.what)) + " (" + t(String(holder.direction)) + ", " + number(+holder.distance_m || 0, 1) + " m)" : "";
+    const gap = parts.cause ? t(String(parts.cause)) : holder ? t(String(holder.what)) + " (" + t(String(holder.direction)) + ", " + measure(+holder.distance_m || 0, "m", 1) + ")" : "";
     const words = [t(String(parts.key || ""), gap)];
-    if (brief.mission) words.push(t("{} m² to do", number(+brief.mission.to_do_m2 || 0, 1)));
+    if (brief.mission) words.push(measure(+brief.mission.to_do_m2 || 0, "m²", 1) + " " + t("to do"));
     if (brief.charge_percent !== null && brief.charge_percent !== undefined) words.push(t("battery") + " " + number(+brief.charge_percent || 0) + " %");
     if (+brief.alerts) words.push(t("Alerts") + ": " + number(+brief.alerts));
     line.append(": ", element("small", words.join(", ")));
