@@ -10,7 +10,7 @@ use floorguard_guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
 use floorguard_localisation::odometry::{Ackermann, SideWheels, Tricycle, WheelGeometry};
-use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::capacities::{PACKET_RINGS_MAX, SWEEP_RINGS};
 use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};
@@ -189,7 +189,11 @@ impl RobotConfiguration {
     #[must_use]
     pub const fn lidar_model(&self) -> Option<Model> {
         match self.lidar.model {
-            LidarModel::Auto | LidarModel::PandarXt16 => None,
+            LidarModel::Auto
+            | LidarModel::PandarXt16
+            | LidarModel::PandarXt32
+            | LidarModel::Ouster(_)
+            | LidarModel::Bridged(_) => None,
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),

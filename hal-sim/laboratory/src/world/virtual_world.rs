@@ -255,7 +255,7 @@ impl World<'_, '_> {
             .min(self.lidar.next_us())
     }
 
-    /// What the computer has sent: frames, and requests to the inertial sensor.
+    /// What the computer has sent: frames, and requests to the inertial sensor and to the scanner.
     fn take_from_robot(&mut self, lines: &Lines, from_imu_line: &PipeReader) {
         for frame in lines.can.drain() {
             self.observer.on_frame(&frame, self.now_us);
@@ -265,6 +265,10 @@ impl World<'_, '_> {
         let bytes = from_imu_line.drain();
         if !bytes.is_empty() {
             self.simulation.receive(Stream::ImuSerial, &bytes);
+        }
+        let asked = lines.scanner.asked();
+        if !asked.is_empty() {
+            self.simulation.receive(Stream::ScannerSerial, &asked);
         }
     }
 

@@ -1,20 +1,25 @@
-//! The lidar's wire: a serial line, or a TCP connection; both come back after they were lost.
+//! The wire of a scanner that must be asked: a serial line, or a TCP connection; both come back after they were lost.
 
 use std::io;
 
 use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_configuration::ScipAddress;
-use floorguard_host::carriers::{ReconnectingLine, ReconnectingStream};
+
+use super::reconnect::ReconnectingLine;
+use super::stream::ReconnectingStream;
 
 /// Either.
-pub(super) enum ScipWire {
+pub enum ScipWire {
+    /// A serial line.
     Line(ReconnectingLine),
+    /// A TCP connection.
     Stream(ReconnectingStream),
 }
 
 impl ScipWire {
     /// Opens it, and says why it cannot be used yet, if so.
-    pub(super) fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
+    #[must_use]
+    pub fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
         match address {
             ScipAddress::Serial(address) => {
                 let (line, problem) = ReconnectingLine::new(address.device.clone(), address.baud);

@@ -1,0 +1,107 @@
+//! The same worlds driven with each lidar, scanner and base: the judge of contacts, which knows nothing of sensors, says the same.
+
+use floorguard_configuration::{bridged_keys, ouster_example, ouster_keys};
+use floorguard_drivers::ouster::{Beams, DataFormat};
+use floorguard_laboratory::plan::Plan;
+use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
+use floorguard_runtime::configuration::{RangingModel, ScannerModel};
+use floorguard_sim::Scenario;
+
+const RANGING: [RangingModel; 4] = [
+    RangingModel::HokuyoUst,
+    RangingModel::HokuyoUrg04lx,
+    RangingModel::SickTim5xx,
+    RangingModel::SickLms1xx,
+];
+
+/// A closed room with a box of 30 cm before the robot. Its walls are within the range of the weakest scanner, 4 m.
+const ROOM: &str = "
+title = \"a box in a small room\"
+bumpers = true
+[route]
+speed_mps = 0.8
+waypoints_m = [[3.0, 0.0]]
+[scene]
+wall = [
+  { from_m = [-2.0, -2.2], to_m = [4.6, -2.2] },
+  { from_m = [-2.0, 2.2], to_m = [4.6, 2.2] },
+  { from_m = [-2.0, -2.2], to_m = [-2.0, 2.2] },
+  { from_m = [4.6, -2.2], to_m = [4.6, 2.2] },
+]
+furniture = [
+  { kind = \"box\", at_m = [3.4, 0.0], size_m = [0.4, 0.8], from_m = 0.0, height_m = 0.3 },
+]
+";
+
+fn hazard(world: &str) -> Scenario {
+    let path = format!("{}/../hal-sim/scenarios/hazards/{world}.toml", env!("CARGO_MANIFEST_DIR"));
+    load_scenario(path.as_ref()).unwrap()
+}
+
+/// How far the robot came, metres, and its contacts while it moved.
+fn drive(scenario: Scenario, duration_s: u64, fit: impl Fn(Plan) -> Plan) -> (f64, u32) {
+    let mut plan = fit(Plan::of("same", scenario, 1, duration_s * 1_000_000).unwrap());
+    plan.lidar_grain = 4;
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(&plan, &mut show);
+    run_virtual(&plan, &mut observer).unwrap();
+    let verdict = observer.into_observation().verdict;
+    (f64::from(verdict.distance_m), verdict.bodies.counts.while_moving() as u32)
+}
+
+/// A board at 0.7 m, which the lidar alone sees in time.
+#[test]
+fn every_lidar_stops_before_the_board() {
+    let os2 = Beams { format: DataFormat::Legacy, ..Beams::even(64, (11_250, -11_250)) };
+    let lidars = [
+        ("PandarXT-16", "model = \"pandar-xt16\"".to_owned()),
+        ("PandarXT-32", "model = \"pandar-xt32\"".to_owned()),
+        ("Ouster OS1-32", ouster_keys(&ouster_example())),
+        ("Ouster OS2-64", ouster_keys(&os2)),
+        ("bridged", bridged_keys()),
+    ];
+    let (reference_m, contacts) = drive(hazard("board-70"), 9, |plan| plan);
+    assert!(reference_m > 2.0 && contacts == 0, "VLP-16: {reference_m} m, {contacts} contacts");
+    println!("VLP-16: {reference_m:.3} m");
+    for (name, keys) in lidars {
+        let (distance_m, contacts) =
+            drive(hazard("board-70"), 9, |plan| plan.with_lidar(&keys).unwrap());
+        println!("{name}: {distance_m:.3} m");
+        assert!(contacts == 0, "{name}: {contacts} contacts");
+        assert!((distance_m - reference_m).abs() < 0.4, "{name}: {distance_m} m, a VLP-16 {reference_m} m");
+    }
+}
+
+/// A box of 30 cm, which the scanner sees; every wall is within the range of each of them.
+#[test]
+fn every_scanner_stops_before_the_box() {
+    let room = || Scenario::from_toml(ROOM).unwrap();
+    let (reference_m, contacts) = drive(room(), 10, |plan| plan);
+    println!("S300: {reference_m:.3} m");
+    assert!(reference_m > 0.4 && contacts == 0, "S300: {reference_m} m, {contacts} contacts");
+    let fine = ScannerModel::MicroScan3 { beams: 2_751 };
+    for model in [fine].into_iter().chain(RANGING.map(ScannerModel::Ranging)) {
+        // The slow ones have as much longer to come there.
+        let duration_s = if model == fine { 10 } else { 18 };
+        let (distance_m, contacts) = drive(room(), duration_s, |plan| plan.with_scanner(model).unwrap());
+        println!("{model:?}: {distance_m:.3} m");
+        assert!(contacts == 0, "{model:?}: {contacts} contacts");
+        assert!(
+            distance_m > 0.4 && distance_m < reference_m + 0.5,
+            "{model:?}: {distance_m} m, an S300 {reference_m} m"
+        );
+    }
+}
+
+/// A hall with open ends: a safety scanner warrants that nothing is there, none of the others does, and their robots stand.
+#[test]
+fn ranging_scanners_stand_in_open_halls() {
+    for model in RANGING {
+        let fit = |plan: Plan| plan.with_scanner(ScannerModel::Ranging(model)).unwrap();
+        let (distance_m, contacts) = drive(hazard("box-30"), 8, fit);
+        println!("{}: {distance_m:.3} m", model.name());
+        assert!(contacts == 0 && distance_m < 0.05, "{}: {distance_m} m", model.name());
+    }
+    let (distance_m, _) = drive(hazard("box-30"), 8, |plan| plan);
+    assert!(distance_m > 1.0, "S300: {distance_m} m");
+}
