@@ -38,6 +38,7 @@ pub mod odrive;
 pub mod ouster;
 pub mod ranging;
 pub mod roboteq;
+pub mod rplidar;
 pub mod s300;
 pub mod scan_motor;
 pub mod scip;

@@ -1,4 +1,4 @@
-//! A telegram of scan data as a checked view: its fields are words of text, numbers in hexadecimal.
+//! A telegram of scan data as a checked view; of CoLa A, whose fields are words of text, numbers in hexadecimal.
 
 /// Bytes of the longest telegram: 1,081 distances and as many strengths.
 pub const TELEGRAM_BYTES: usize = 12_288;
@@ -50,7 +50,30 @@ pub struct ScanTelegram<'a> {
     pub count: u16,
     /// Millimetres a count: 1 or 2.
     pub unit_mm: u32,
-    values: &'a [u8],
+    pub(super) values: Values<'a>,
+}
+
+/// Distances as they stand in the telegram.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Values<'a> {
+    /// Words in hexadecimal.
+    Text(&'a [u8]),
+    /// Two bytes each, the high one first.
+    Words(&'a [[u8; 2]]),
+}
+
+/// So many encoders a sensor can report.
+pub(super) fn encoders_checked(encoders: u32) -> Result<usize, TelegramError> {
+    usize::try_from(encoders).ok().filter(|_| encoders <= ENCODERS_MAX).ok_or(TelegramError::Form)
+}
+
+/// Millimetres a count, of a factor as IEEE 754.
+pub(super) const fn unit_of(factor: u32) -> Option<u32> {
+    match factor {
+        FACTOR_ONE => Some(1),
+        FACTOR_TWO => Some(2),
+        _ => None,
+    }
 }
 
 /// The words of a telegram, one after another.
@@ -127,25 +150,15 @@ impl<'a> ScanTelegram<'a> {
         let begun_us = words.number()?;
         // Time of transmission, inputs, outputs, a reserved word, frequencies of scans and measurements.
         words.skip(8)?;
-        let encoders = words.number()?;
-        if encoders > ENCODERS_MAX {
-            return Err(TelegramError::Form);
-        }
-        for _ in 0..encoders {
+        for _ in 0..encoders_checked(words.number()?)? {
             words.skip(2)?;
         }
         let channels = words.number()?;
         let content = words.word()?;
         let factor = words.number()?;
         let offset = words.number()?;
-        let unit_mm = match factor {
-            FACTOR_ONE => 1,
-            FACTOR_TWO => 2,
-            _ => 0,
-        };
-        if channels == 0 || content != b"DIST1" || unit_mm == 0 || offset != 0 {
-            return Err(TelegramError::Channel);
-        }
+        let unit_mm = unit_of(factor).filter(|_| channels > 0 && content == b"DIST1" && offset == 0);
+        let unit_mm = unit_mm.ok_or(TelegramError::Channel)?;
         // Sign and magnitude are those of 32 bits.
         let first_angle = i32::from_le_bytes(words.number()?.to_le_bytes());
         let (step, count) = (words.short()?, words.short()?);
@@ -156,12 +169,21 @@ impl<'a> ScanTelegram<'a> {
         if found < count {
             return Err(TelegramError::Values { found, announced: count });
         }
+        let values = Values::Text(values);
         Ok(Self { status, scan, begun_us, first_angle, step, count, unit_mm, values })
     }
 
     /// Its distances in counts, as many as announced.
     pub fn distances(&self) -> impl Iterator<Item = u32> + use<'a> {
-        values_of(self.values).take(usize::from(self.count)).map(|value| value.unwrap_or(0))
+        let (text, words) = match self.values {
+            Values::Text(text) => (text, &[][..]),
+            Values::Words(words) => (&[][..], words),
+        };
+        let of_text = values_of(text).map(|value| value.unwrap_or(0)).take(match self.values {
+            Values::Text(_) => usize::from(self.count),
+            Values::Words(_) => 0,
+        });
+        of_text.chain(words.iter().map(|word| u32::from(u16::from_be_bytes(*word))))
     }
 }
 

@@ -5,6 +5,7 @@ use floorguard_types::time::Stamp;
 
 use super::contract::{RangingEvent, RangingScanner};
 use super::hokuyo::HokuyoOf;
+use super::rplidar::RplidarOf;
 use super::sick::ColaOf;
 
 /// One of the makers' protocols.
@@ -14,8 +15,10 @@ use super::sick::ColaOf;
 pub enum AnyRangingScannerOf<P: Profile> {
     /// Hokuyo, SCIP 2.0.
     Hokuyo(HokuyoOf<P>),
-    /// SICK, CoLa A.
+    /// SICK, CoLa A or B.
     Cola(ColaOf<P>),
+    /// Slamtec RPLidar.
+    Rplidar(RplidarOf<P>),
 }
 
 /// For the scanners of the target.
@@ -26,6 +29,7 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
         match self {
             Self::Hokuyo(scanner) => scanner.push(bytes, now, event),
             Self::Cola(scanner) => scanner.push(bytes, now, event),
+            Self::Rplidar(scanner) => scanner.push(bytes, now, event),
         }
     }
 
@@ -33,6 +37,7 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
         match self {
             Self::Hokuyo(scanner) => scanner.poll(now, send, event),
             Self::Cola(scanner) => scanner.poll(now, send, event),
+            Self::Rplidar(scanner) => scanner.poll(now, send, event),
         }
     }
 }

@@ -6,12 +6,16 @@
 mod any_scanner;
 mod contract;
 mod hokuyo;
+mod rplidar;
 mod sick;
 
 pub use any_scanner::{AnyRangingScanner, AnyRangingScannerOf};
 pub use contract::{RangingEvent, RangingScanner};
 pub use hokuyo::{Hokuyo, HokuyoOf, URG_04LX_FULL, UST_FULL};
+pub use rplidar::{RPLIDAR_A, RPLIDAR_S, Rplidar, RplidarConfiguration, RplidarOf};
 pub use sick::{Cola, ColaConfiguration, ColaOf, LMS1XX, TIM5XX};
 
+#[cfg(test)]
+mod rplidar_tests;
 #[cfg(test)]
 mod sick_tests;

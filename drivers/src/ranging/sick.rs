@@ -1,20 +1,23 @@
-//! SICK TiM5xx and LMS1xx as scanners: asked for their scans in CoLa A, given with times of the robot's clock.
+//! SICK TiM5xx and LMS1xx as scanners: asked for their scans in CoLa A and B in turn, because either can be set in them; given with times
+//! of the robot's clock.
 
 use floorguard_types::number::{nearest_f32, truncating_u32};
 use floorguard_types::profile::{List, Native, Profile};
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 use floorguard_types::time::Stamp;
 use floorguard_types::units::RADIANS_PER_DEGREE;
-use heapless::Vec;
 
 use super::contract::{RangingEvent, RangingScanner};
-use crate::cola::{ScanTelegram, TELEGRAM_BYTES};
+use crate::cola::{Frame, Framer, ScanTelegram, TelegramError};
 use crate::velodyne::HourClock;
 
-const START: u8 = 0x02;
-const END: u8 = 0x03;
 /// "Send scans from now on."
 const ASK: &[u8] = b"\x02sEN LMDscandata 1\x03";
+/// The same in CoLa B, with its length and checksum.
+const ASK_BINARY: &[u8] = b"\x02\x02\x02\x02\0\0\0\x11sEN LMDscandata \x01\x33";
+/// A message with a scan, and one that says that a command was not understood.
+const SCAN: &[u8] = b"sSN LMDscandata ";
+const ERROR: &[u8] = b"sFA";
 /// A sensor that sends nothing for so long is asked again.
 const SILENCE_US: u64 = 1_000_000;
 const HOUR_US: u64 = 3_600_000_000;
@@ -31,11 +34,9 @@ pub struct ColaConfiguration {
 }
 
 /// TiM551, TiM561, TiM571: 15 turns a second.
-pub const TIM5XX: ColaConfiguration =
-    ColaConfiguration { range_mm: [50, 25_000], delay_us: 60_000 };
+pub const TIM5XX: ColaConfiguration = ColaConfiguration { range_mm: [50, 25_000], delay_us: 60_000 };
 /// LMS100 and LMS111: 50 turns a second at 0.5°, 25 at 0.25°.
-pub const LMS1XX: ColaConfiguration =
-    ColaConfiguration { range_mm: [500, 20_000], delay_us: 17_000 };
+pub const LMS1XX: ColaConfiguration = ColaConfiguration { range_mm: [500, 20_000], delay_us: 17_000 };
 
 /// One sensor.
 ///
@@ -50,54 +51,45 @@ pub const LMS1XX: ColaConfiguration =
 /// ```
 #[derive(Clone, Debug)]
 pub struct ColaOf<P: Profile> {
-    configuration: ColaConfiguration,
-    text: Vec<u8, TELEGRAM_BYTES>,
-    /// Between a start and an end byte; a telegram that is too long is not.
-    is_inside: bool,
-    heard: Option<Stamp>,
+    framer: Framer,
+    /// It is asked in CoLa B next: as it was heard, or as it was not asked before.
+    asks_binary: bool,
     asked: Option<Stamp>,
+    session: SessionOf<P>,
+}
+
+/// For the scanners of the target.
+pub type Cola = ColaOf<Native>;
+
+/// What the sensor has sent.
+#[derive(Clone, Debug)]
+struct SessionOf<P: Profile> {
+    configuration: ColaConfiguration,
+    heard: Option<Stamp>,
     clock: HourClock,
     /// The sensor's counter, and the same unrolled.
     counted: Option<(u32, u64)>,
     scan: ScanOf<P>,
 }
 
-/// For the scanners of the target.
-pub type Cola = ColaOf<Native>;
-
 impl<P: Profile> ColaOf<P> {
     /// Nothing was asked yet.
     #[must_use]
     pub fn new(configuration: ColaConfiguration) -> Self {
-        Self {
-            configuration,
-            text: Vec::new(),
-            is_inside: false,
-            heard: None,
-            asked: None,
-            clock: HourClock::default(),
-            counted: None,
-            scan: ScanOf::EMPTY,
-        }
+        let (clock, scan) = (HourClock::default(), ScanOf::EMPTY);
+        let session = SessionOf { configuration, heard: None, clock, counted: None, scan };
+        Self { framer: Framer::default(), asks_binary: false, asked: None, session }
     }
+}
 
-    /// A byte of a telegram; what stands between two of them is nothing.
-    fn keep(&mut self, byte: u8, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
-        if self.is_inside && self.text.push(byte).is_err() {
-            self.is_inside = false;
-            event(RangingEvent::Refused);
-        }
-    }
-
-    fn end(&mut self, now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
-        // Answers to commands, and scans.
-        if !self.text.starts_with(b"sSN LMDscandata ") {
-            if self.text.starts_with(b"sFA") {
-                event(RangingEvent::Unsuitable);
-            }
-            return;
-        }
-        let Ok(telegram) = ScanTelegram::new_checked(&self.text) else {
+impl<P: Profile> SessionOf<P> {
+    fn take(
+        &mut self,
+        telegram: &Result<ScanTelegram<'_>, TelegramError>,
+        now: Stamp,
+        event: &mut dyn FnMut(RangingEvent<'_, P>),
+    ) {
+        let Ok(telegram) = telegram else {
             event(RangingEvent::Refused);
             return;
         };
@@ -117,7 +109,7 @@ impl<P: Profile> ColaOf<P> {
         let sensor_us = truncating_u32(unrolled % HOUR_US);
         // Of its beginning, so that no beam is taken for younger than it is.
         let stamp = self.clock.stamp(sensor_us, now.minus_micros(self.configuration.delay_us));
-        fill(&mut self.scan, &telegram, (stamp, &self.configuration));
+        fill(&mut self.scan, telegram, (stamp, &self.configuration));
         event(RangingEvent::Scan(&self.scan));
     }
 }
@@ -144,31 +136,38 @@ fn fill<P: Profile>(
 
 impl<P: Profile> RangingScanner<P> for ColaOf<P> {
     fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+        let Self { framer, session, asks_binary, .. } = self;
         for byte in bytes {
-            match *byte {
-                START => {
-                    self.text.clear();
-                    self.is_inside = true;
+            match framer.byte(*byte) {
+                // Answers to commands, and scans.
+                Some(Frame::Text(text)) if text.starts_with(SCAN) => {
+                    *asks_binary = false;
+                    session.take(&ScanTelegram::new_checked(text), now, event);
                 }
-                END if self.is_inside => {
-                    self.is_inside = false;
-                    self.end(now, event);
+                Some(Frame::Binary(bytes)) if bytes.starts_with(SCAN) => {
+                    *asks_binary = true;
+                    session.take(&ScanTelegram::new_binary(bytes), now, event);
                 }
-                other => self.keep(other, event),
+                Some(Frame::Text(answer) | Frame::Binary(answer)) if answer.starts_with(ERROR) => {
+                    event(RangingEvent::Unsuitable);
+                }
+                Some(Frame::Refused) => event(RangingEvent::Refused),
+                Some(Frame::Text(_) | Frame::Binary(_)) | None => {}
             }
         }
     }
 
     fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
         let is_silent = |since: Option<Stamp>| since.is_none_or(|since| since.past_us(now) >= SILENCE_US);
-        if is_silent(self.heard) && is_silent(self.asked) {
-            if self.heard.is_some() {
+        if is_silent(self.session.heard) && is_silent(self.asked) {
+            if self.session.heard.is_some() {
                 // It may have been switched off and on.
-                (self.heard, self.counted) = (None, None);
+                (self.session.heard, self.session.counted) = (None, None);
                 event(RangingEvent::Silent);
             }
             self.asked = Some(now);
-            send(ASK);
+            send(if self.asks_binary { ASK_BINARY } else { ASK });
+            self.asks_binary = !self.asks_binary;
         }
     }
 }

@@ -101,6 +101,15 @@ pub enum SickModel {
     Lms1xx,
 }
 
+/// Which RPLidar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RplidarModel {
+    /// A2: 4,000 samples a second, ten turns.
+    A,
+    /// S2: 16,000 samples a second, ten turns.
+    S,
+}
+
 /// Which scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
@@ -113,6 +122,8 @@ pub enum ScannerDevice {
     Hokuyo(HokuyoModel),
     /// A TiM or an LMS of SICK, which is none either.
     Sick(SickModel),
+    /// An RPLidar, which is none either.
+    Rplidar(RplidarModel),
 }
 
 /// What the body rolls on.

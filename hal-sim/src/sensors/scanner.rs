@@ -1,11 +1,11 @@
 //! The scanner: what it measures in a turn of its mirror, and its link to the robot's computer.
 //!
-//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3). A Hokuyo must be
-//! asked (book, SCIP 2.0).
+//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3). A Hokuyo (book,
+//! SCIP 2.0), a TiM or LMS (book, CoLa) and an RPLidar must be asked.
 
 use floorguard_types::random::Pcg32;
 
-use super::{SickScanner, View};
+use super::{RplidarScanner, SickScanner, View};
 use crate::actuated::{LidarModel, ScanLidar};
 use crate::robot::{HokuyoModel, ScannerDevice};
 use crate::wire::Stream;
@@ -62,6 +62,7 @@ struct Echo {
 enum AskedScanner {
     Hokuyo(ScanLidar),
     Sick(SickScanner),
+    Rplidar(RplidarScanner),
 }
 
 /// The scanner.
@@ -105,7 +106,7 @@ impl Scanner {
         let beams = match device {
             ScannerDevice::S300 => 541,
             ScannerDevice::MicroScan3(beams) => usize::from(beams.max(2)),
-            ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => 0,
+            ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) | ScannerDevice::Rplidar(_) => 0,
         };
         let own = |random: &mut Pcg32| u64::from(random.below(u32::MAX));
         let asked = match device {
@@ -116,8 +117,10 @@ impl Scanner {
                 };
                 Some(AskedScanner::Hokuyo(ScanLidar::new(model, own(&mut random))))
             }
-
             ScannerDevice::Sick(model) => Some(AskedScanner::Sick(SickScanner::new(model, own(&mut random)))),
+            ScannerDevice::Rplidar(model) => {
+                Some(AskedScanner::Rplidar(RplidarScanner::new(model, own(&mut random))))
+            }
             ScannerDevice::S300 | ScannerDevice::MicroScan3(_) => None,
         };
         let asked = asked.map(|scanner| (scanner, ASKED_US));
@@ -137,8 +140,8 @@ impl Scanner {
     #[must_use]
     pub const fn stream(&self) -> Stream {
         match self.device {
-            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => Stream::ScannerSerial,
             ScannerDevice::MicroScan3(_) => Stream::ScannerData,
+            _ => Stream::ScannerSerial,
         }
     }
 
@@ -203,7 +206,7 @@ impl Scanner {
         self.scan = self.scan.wrapping_add(1);
         match self.device {
             ScannerDevice::MicroScan3(_) => self.message(now_us),
-            ScannerDevice::S300 | ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) => self.telegram(now_us),
+            _ => self.telegram(now_us),
         }
     }
 
@@ -212,6 +215,7 @@ impl Scanner {
         match &mut self.asked {
             Some((AskedScanner::Hokuyo(scanner), _)) => scanner.receive(bytes, now_us),
             Some((AskedScanner::Sick(scanner), _)) => scanner.receive(bytes, now_us),
+            Some((AskedScanner::Rplidar(scanner), _)) => scanner.receive(bytes, now_us),
             None => {}
         }
     }
@@ -284,5 +288,6 @@ fn measure_asked(
     match scanner {
         AskedScanner::Hokuyo(scanner) => scanner.measure(now_us, range_m),
         AskedScanner::Sick(scanner) => scanner.measure(now_us, range_m),
+        AskedScanner::Rplidar(scanner) => scanner.measure(now_us, range_m),
     }
 }

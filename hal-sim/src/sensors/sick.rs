@@ -1,16 +1,17 @@
-//! SICK TiM5xx and LMS1xx: asked once, they send their scans as text (book, CoLa A).
+//! SICK TiM5xx and LMS1xx: asked once, they send their scans, the one as text, the other one binary (book, CoLa).
 
 use floorguard_types::random::Pcg32;
 
 use crate::robot::SickModel;
-use crate::wire::{ColaHeader, cola_scan, cola_telegram};
+use crate::wire::{ColaHeader, cola_binary, cola_scan, cola_scan_binary, cola_telegram};
 
 /// From the end of a scan to the arrival of its last byte, microseconds: TCP.
 const SEND_US: u64 = 4_000;
 /// From a command to its answer, microseconds.
 const ANSWER_US: u64 = 2_000;
-/// The command to send scans.
-const ASK: &[u8] = b"sEN LMDscandata 1";
+/// The command to send scans, with its frame, in either dialect.
+const ASK: &[u8] = b"\x02sEN LMDscandata 1\x03";
+const ASK_BINARY: &[u8] = b"\x02\x02\x02\x02\0\0\0\x11sEN LMDscandata \x01\x33";
 const NOISE_M: f32 = 0.012;
 
 /// Beams, step in ten-thousandths of a degree, microseconds of a turn, nearest and farthest distance in millimetres.
@@ -47,16 +48,18 @@ impl SickScanner {
 
     /// Bytes of the robot's computer.
     pub fn receive(&mut self, bytes: &[u8], now_us: u64) {
-        for byte in bytes {
-            match byte {
-                2 => self.text.clear(),
-                3 => {
-                    self.is_sending |= self.text == ASK;
-                    let answer = if self.text == ASK { "sEA LMDscandata 1" } else { "sFA 8" };
-                    self.answers.push((now_us + ANSWER_US, cola_telegram(answer)));
-                }
-                other => self.text.push(*other),
-            }
+        self.text.extend(bytes);
+        let is_binary = self.model == SickModel::Lms1xx;
+        let ask = if is_binary { ASK_BINARY } else { ASK };
+        if let Some(at) = self.text.windows(ask.len()).position(|window| window == ask) {
+            self.text.drain(..at + ask.len());
+            self.is_sending = true;
+            let answer = if is_binary {
+                cola_binary(b"sEA LMDscandata \x01")
+            } else {
+                cola_telegram("sEA LMDscandata 1")
+            };
+            self.answers.push((now_us + ANSWER_US, answer));
         }
     }
 
@@ -105,6 +108,7 @@ impl SickScanner {
         };
         let distances_mm = std::mem::take(&mut self.distances_mm);
         self.turn += 1;
-        self.is_sending.then(|| cola_scan(&header, &distances_mm))
+        let encode = if self.model == SickModel::Lms1xx { cola_scan_binary } else { cola_scan };
+        self.is_sending.then(|| encode(&header, &distances_mm))
     }
 }

@@ -194,7 +194,7 @@ scenario; `start_…` is where the robot is switched on, in the map's frame. Wit
 master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
 `fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. With `[ros2]`, or a `source` of ROS 2 in
 `[command]`, the robot is live in ROS 2 ([ROS 2](ros2.md)); the program must be built with the feature `ros2`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's; a Hokuyo, a TiM and an LMS are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
+the lidar's; a Hokuyo, a TiM, an LMS and an RPLidar are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
 without `accept_uncertified_mps`, the greatest speed of any direction; where nothing comes back to them it is unknown, never free ([Ranging scanners](wire-formats/ranging.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,

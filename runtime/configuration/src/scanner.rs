@@ -2,9 +2,7 @@
 
 use core::ops::RangeInclusive;
 
-use floorguard_runtime::configuration::{
-    Mounting, RangingModel, ScannerConfiguration, ScannerModel,
-};
+use floorguard_runtime::configuration::{Mounting, RangingModel, ScannerConfiguration, ScannerModel};
 use floorguard_types::units::radians;
 
 use super::actuated_lidar::read_scip_source;
@@ -99,6 +97,8 @@ fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<Sc
         ("hokuyo-urg-04lx", ScannerModel::Ranging(RangingModel::HokuyoUrg04lx)),
         ("sick-tim5xx", ScannerModel::Ranging(RangingModel::SickTim5xx)),
         ("sick-lms1xx", ScannerModel::Ranging(RangingModel::SickLms1xx)),
+        ("rplidar-a", ScannerModel::Ranging(RangingModel::RplidarA)),
+        ("rplidar-s", ScannerModel::Ranging(RangingModel::RplidarS)),
     ];
     let model = section.choice("model", &models);
     let beams =

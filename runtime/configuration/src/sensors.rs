@@ -51,7 +51,7 @@ impl Sensors {
     pub(super) fn slowed(&self, limits: Limits) -> Limits {
         let model = self.scanner.as_ref().map(|read| read.scanner.model);
         let Some(ScannerModel::Ranging(ranging)) = model else { return limits };
-        Limits { response_s: limits.response_s + ranging.model.later_s(), ..limits }
+        Limits { response_s: limits.response_s + ranging.later_s(), ..limits }
     }
 
     /// What two devices cannot share, and what two scanners must.

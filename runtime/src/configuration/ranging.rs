@@ -1,6 +1,8 @@
 //! Scanners that are no safety devices: what each model measures, and its driver.
 
-use floorguard_drivers::ranging::{AnyRangingScanner, Cola, Hokuyo, LMS1XX, TIM5XX, URG_04LX_FULL, UST_FULL};
+use floorguard_drivers::ranging::{
+    AnyRangingScanner, Cola, Hokuyo, LMS1XX, RPLIDAR_A, RPLIDAR_S, Rplidar, TIM5XX, URG_04LX_FULL, UST_FULL,
+};
 
 /// The guard counts on so many scans until it stops: two that must agree, one that is not in step, one that may be lost.
 const COUNTED_SCANS: f32 = 4.0;
@@ -18,6 +20,10 @@ pub enum RangingModel {
     SickTim5xx,
     /// SICK LMS100 or LMS111 at 0.5°, over TCP.
     SickLms1xx,
+    /// Slamtec RPLidar A1, A2, A3 or C1, over USB or a serial line.
+    RplidarA,
+    /// Slamtec RPLidar S1, S2 or S3, over USB or a serial line.
+    RplidarS,
 }
 
 /// What its scans are, as the robot asks for them.
@@ -44,6 +50,8 @@ impl RangingModel {
             Self::HokuyoUrg04lx => AnyRangingScanner::Hokuyo(Hokuyo::new(URG_04LX_FULL)),
             Self::SickTim5xx => AnyRangingScanner::Cola(Cola::new(TIM5XX)),
             Self::SickLms1xx => AnyRangingScanner::Cola(Cola::new(LMS1XX)),
+            Self::RplidarA => AnyRangingScanner::Rplidar(Rplidar::new(RPLIDAR_A)),
+            Self::RplidarS => AnyRangingScanner::Rplidar(Rplidar::new(RPLIDAR_S)),
         }
     }
 
@@ -55,6 +63,8 @@ impl RangingModel {
             Self::HokuyoUrg04lx => "Hokuyo URG-04LX",
             Self::SickTim5xx => "SICK TiM5xx",
             Self::SickLms1xx => "SICK LMS1xx",
+            Self::RplidarA => "RPLidar A",
+            Self::RplidarS => "RPLidar S",
         }
     }
 
@@ -66,6 +76,8 @@ impl RangingModel {
             Self::HokuyoUrg04lx => "hokuyo-urg-04lx",
             Self::SickTim5xx => "sick-tim5xx",
             Self::SickLms1xx => "sick-lms1xx",
+            Self::RplidarA => "rplidar-a",
+            Self::RplidarS => "rplidar-s",
         }
     }
 
@@ -101,6 +113,21 @@ impl RangingModel {
                 step_deg: 0.5,
                 period_s: 0.02,
                 range_m: [0.5, 20.0],
+            },
+            // The slowest motor with which scans come in time; even beams of our own.
+            Self::RplidarA => RangingGeometry {
+                beams: 300,
+                first_deg: -180.0,
+                step_deg: 1.2,
+                period_s: 0.14,
+                range_m: [0.15, 12.0],
+            },
+            Self::RplidarS => RangingGeometry {
+                beams: 720,
+                first_deg: -180.0,
+                step_deg: 0.5,
+                period_s: 0.125,
+                range_m: [0.05, 30.0],
             },
         }
     }

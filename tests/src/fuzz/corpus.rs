@@ -4,7 +4,9 @@ use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_sim::can::CanFrame;
 use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
-use floorguard_sim::wire::{ColaHeader, ColumnsDatagram, OusterPacket, cola_scan};
+use floorguard_sim::wire::{
+    ColaHeader, ColumnsDatagram, OusterPacket, cola_scan, rplidar_capsule, rplidar_descriptor,
+};
 use floorguard_sim::{Payload, Simulation, Stream};
 
 /// Messages of each stream, as the simulated devices send them.
@@ -82,6 +84,18 @@ pub fn cola_scans() -> Vec<Vec<u8>> {
         cola_scan(&header, &distances)
     };
     (0..4).map(scan).collect()
+}
+
+/// The answer of an RPLidar of the A series to a request to measure: a descriptor, and capsules of 28.8° of four turns.
+#[must_use]
+pub fn rplidar_turns() -> Vec<Vec<u8>> {
+    let capsule = |number: u16| {
+        let angle_q6 = ((u32::from(number) * 1_843) % 23_040) as u16;
+        let samples: Vec<(u16, u8)> =
+            (0..32).map(|sample| (2_000 + number * 40 + sample, (sample % 4) as u8)).collect();
+        rplidar_capsule(angle_q6, number == 0, &samples)
+    };
+    [rplidar_descriptor(84, true, 0x82)].into_iter().chain((0..50).map(capsule)).collect()
 }
 
 /// An Ouster of 16 beams that look to either side, and one turn of it.

@@ -5,7 +5,7 @@ use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan}
 use floorguard_drivers::lidar_link::Decoder as Bridged;
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
 use floorguard_drivers::ouster::{Beams, Decoder as Ouster};
-use floorguard_drivers::ranging::{Cola, RangingEvent, RangingScanner, TIM5XX};
+use floorguard_drivers::ranging::{Cola, RPLIDAR_A, RangingEvent, RangingScanner, Rplidar, TIM5XX};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velocity_link::{
@@ -96,6 +96,44 @@ pub fn cola(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
         scans += push(part, now_us);
     }
     assert_eq!(push(right, now_us + 100_000), 1, "it did not find back into step");
+    scans
+}
+
+/// Bytes of an RPLidar in portions of so many. Whatever came before: it is asked anew once it is silent or not understood, and its
+/// right answer becomes scans.
+pub fn rplidar(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
+    let mut scanner = Rplidar::new(RPLIDAR_A);
+    let mut push = |part: &[u8], now_us: u64| {
+        let (mut scans, mut is_asked) = (0, false);
+        let mut take = |event: RangingEvent<'_, _>| {
+            if let RangingEvent::Scan(scan) = event {
+                scans += 1;
+                let is_known =
+                    |beam: &BeamReturn| matches!(beam, BeamReturn::Hit(150..=12_000) | BeamReturn::Unknown);
+                assert!(
+                    scan.beams.iter().all(is_known) && scan.stamp <= at(now_us) && scan.beams.len() == 300
+                );
+            }
+        };
+        scanner.push(part, at(now_us), &mut take);
+        let mut send = |sent: &[u8]| is_asked |= sent.starts_with(&[0xA5, 0x82]);
+        scanner.poll(at(now_us), &mut send, &mut take);
+        (scans, is_asked)
+    };
+    let (mut scans, mut now_us) = (0, 1_000_000);
+    for part in bytes.chunks(portion.max(1)) {
+        now_us += 20_000;
+        scans += push(part, now_us).0;
+    }
+    let mut found = 0;
+    // Until it is asked in the way that it was not asked in before.
+    for _ in 0..700 {
+        now_us += 20_000;
+        if push(&[], now_us).1 {
+            found += right.chunks(84).map(|part| push(part, now_us).0).sum::<u64>();
+        }
+    }
+    assert!(found > 0, "it did not find back into step");
     scans
 }
 

@@ -7,11 +7,13 @@ use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
 use floorguard_runtime::configuration::{RangingModel, ScannerModel};
 use floorguard_sim::Scenario;
 
-const RANGING: [RangingModel; 4] = [
+const RANGING: [RangingModel; 6] = [
     RangingModel::HokuyoUst,
     RangingModel::HokuyoUrg04lx,
     RangingModel::SickTim5xx,
     RangingModel::SickLms1xx,
+    RangingModel::RplidarA,
+    RangingModel::RplidarS,
 ];
 
 /// A closed room with a box of 30 cm before the robot. Its walls are within the range of the weakest scanner, 4 m.
@@ -64,8 +66,7 @@ fn every_lidar_stops_before_the_board() {
     assert!(reference_m > 2.0 && contacts == 0, "VLP-16: {reference_m} m, {contacts} contacts");
     println!("VLP-16: {reference_m:.3} m");
     for (name, keys) in lidars {
-        let (distance_m, contacts) =
-            drive(hazard("board-70"), 9, |plan| plan.with_lidar(&keys).unwrap());
+        let (distance_m, contacts) = drive(hazard("board-70"), 9, |plan| plan.with_lidar(&keys).unwrap());
         println!("{name}: {distance_m:.3} m");
         assert!(contacts == 0, "{name}: {contacts} contacts");
         assert!((distance_m - reference_m).abs() < 0.4, "{name}: {distance_m} m, a VLP-16 {reference_m} m");

@@ -8,6 +8,7 @@ use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
 use floorguard_tests::fuzz::{
     Corpus, bridged_datagrams, cola_scans, corrupt, decoders, files, messages, motors, ouster_turn, pick,
+    rplidar_turns,
 };
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
@@ -77,6 +78,16 @@ fn fuzz_cola() {
         let mut bytes = corpus.concat();
         corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 40_000, random);
         decoders::cola(&bytes, 1 + random.below(3_000) as usize, &corpus[3])
+    });
+}
+
+#[test]
+fn fuzz_rplidar() {
+    let corpus = rplidar_turns();
+    campaign(1_000, |random| {
+        let mut bytes = corpus.concat();
+        corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 6_000, random);
+        decoders::rplidar(&bytes, 1 + random.below(700) as usize, &corpus.concat())
     });
 }
 

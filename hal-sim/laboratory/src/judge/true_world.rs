@@ -3,7 +3,8 @@
 use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
 use floorguard_sim::robot::{
-    BodyPrism, HokuyoModel, LidarDevice, RobotBody, RobotParameters, ScannerDevice, SensorMount, SickModel,
+    BodyPrism, HokuyoModel, LidarDevice, RobotBody, RobotParameters, RplidarModel, ScannerDevice,
+    SensorMount, SickModel,
 };
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
@@ -141,6 +142,9 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         ScannerDevice::Hokuyo(HokuyoModel::Urg04lx) => (119.5, 680),
         ScannerDevice::Sick(SickModel::Tim5xx) => (135.0, 811),
         ScannerDevice::Sick(SickModel::Lms1xx) => (135.0, 541),
+        // All around: the first beam is the last one, too.
+        ScannerDevice::Rplidar(RplidarModel::A) => (180.0, 301),
+        ScannerDevice::Rplidar(RplidarModel::S) => (180.0, 721),
     };
     let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
     let scanner = judge::Sensor {

@@ -7,8 +7,8 @@ use floorguard_runtime::configuration::{
 };
 use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
-    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, ScannerDevice,
-    SensorMount, SickModel, Train,
+    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, RplidarModel,
+    ScannerDevice, SensorMount, SickModel, Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
@@ -27,11 +27,13 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     let scanner_device = match robot.scanner.model {
         ScannerModel::S300 => ScannerDevice::S300,
         ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
-        ScannerModel::Ranging(ranging) => match ranging.model {
+        ScannerModel::Ranging(ranging) => match ranging {
             RangingModel::HokuyoUst => ScannerDevice::Hokuyo(HokuyoModel::Ust),
             RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(HokuyoModel::Urg04lx),
             RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
             RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
+            RangingModel::RplidarA => ScannerDevice::Rplidar(RplidarModel::A),
+            RangingModel::RplidarS => ScannerDevice::Rplidar(RplidarModel::S),
         },
     };
     let lidar_device = match robot.lidar.model {

@@ -21,6 +21,10 @@ pub enum FittedScanner {
     SickTim5xx,
     /// SICK LMS1xx: 541 beams, no safety device, at most 0.3 m/s.
     SickLms1xx,
+    /// RPLidar A1 to A3: 300 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    RplidarA,
+    /// RPLidar S1 to S3: 720 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    RplidarS,
 }
 
 impl FittedScanner {
@@ -34,6 +38,8 @@ impl FittedScanner {
             Self::HokuyoUrg04lx => RangingModel::HokuyoUrg04lx,
             Self::SickTim5xx => RangingModel::SickTim5xx,
             Self::SickLms1xx => RangingModel::SickLms1xx,
+            Self::RplidarA => RangingModel::RplidarA,
+            Self::RplidarS => RangingModel::RplidarS,
         };
         ScannerModel::Ranging(model)
     }

@@ -155,7 +155,10 @@ impl Links {
                 ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
             }
             ScannerLink::Wire(address, model) => {
-                let (wire, problem) = ScipWire::open(&address);
+                let (wire, problem) = match model {
+                    RangingModel::RplidarA | RangingModel::RplidarS => ScipWire::open_with_motor(&address),
+                    _ => ScipWire::open(&address),
+                };
                 note("scanner", problem);
                 ScannerCarrier::Asked(Tapped::new(wire, TapeLine::Scanner, tap.clone()), model)
             }
