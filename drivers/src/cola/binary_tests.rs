@@ -56,9 +56,9 @@ fn damaged_binary_telegrams_are_refused() {
     for (at, value, error) in [
         (0, b'x', TelegramError::Form),
         (52, 9, TelegramError::Form),
-        (55, b'R', TelegramError::Channel),
-        (60, 0x41, TelegramError::Channel),
-        (73, 0xFF, TelegramError::Values { found: 27, announced: 255 }),
+        (56, b'R', TelegramError::Channel),
+        (61, 0x41, TelegramError::Channel),
+        (76, 0xFF, TelegramError::Values { found: 27, announced: 255 }),
     ] {
         let mut bytes = PRINTED.to_vec();
         bytes[at] = value;

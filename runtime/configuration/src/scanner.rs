@@ -34,7 +34,7 @@ pub(super) fn read_scanner(section: Reader<'_>) -> Option<ReadScanner> {
     Some(ReadScanner { scanner, address: source?, accepted_mps })
 }
 
-/// `accept_uncertified_mps`: without it no robot drives behind a scanner that is no safety device.
+/// `accept_uncertified_mps` (FG-REQ-085): without it no robot drives behind a scanner that is no safety device.
 fn read_accepted(section: &Reader<'_>, model: Option<ScannerModel>) -> Option<f32> {
     let accepted_mps =
         section.number_or_absent("accept_uncertified_mps", ACCEPTED_MPS, "with a ranging scanner, refused");
@@ -161,7 +161,7 @@ mod tests {
 
     /// No robot drives behind a scanner that is no safety device, but where its file says how fast.
     #[test]
-    fn ranging_scanners_need_a_stated_speed() {
+    fn fg_req_085_ranging_scanners_need_a_stated_speed() {
         let keys = "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\n";
         let refused = parse("robot.toml", &with_scanner(keys)).expect_err("refused").to_string();
         assert!(
@@ -193,7 +193,7 @@ mod tests {
 
     /// Scans that come more slowly than a safety scanner's let the robot react later: its fields are as much longer.
     #[test]
-    fn slow_scanners_make_longer_fields() {
+    fn fg_req_085_slow_scanners_make_longer_fields() {
         let reach_m = |keys: &str| {
             let read = parse("robot.toml", &with_scanner(keys)).unwrap_or_else(|refused| panic!("{refused}"));
             let fields = read.robot.fields.iter().flat_map(|field| field.protective.iter());

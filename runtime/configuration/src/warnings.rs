@@ -79,6 +79,23 @@ mod tests {
         parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).warnings()
     }
 
+    /// What a scanner without safety costs is said with its range.
+    #[test]
+    fn fg_req_085_scanner_without_safety_is_pointed_out() {
+        let safe = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+        for (model, farthest) in [("hokuyo-ust", "30 m"), ("hokuyo-urg-04lx", "4 m"), ("rplidar-a", "12 m")] {
+            let keys = format!(
+                "model = \"{model}\"\nsource = \"serial:/dev/ttyACM0\"\naccept_uncertified_mps = 0.3\n"
+            );
+            let found = warnings(&[(safe, &keys)]);
+            assert!(
+                found.len() == 2 && found[0].contains("no safety device") && found[0].contains("0.3 m/s"),
+                "{found:?}"
+            );
+            assert!(found[1].contains(farthest) && found[1].contains("it does not drive"), "{found:?}");
+        }
+    }
+
     #[test]
     fn turned_sensors_and_single_channels_are_pointed_out() {
         assert_eq!(warnings(&[]), Vec::<String>::new());

@@ -1,6 +1,6 @@
 //! The same worlds driven with each lidar, scanner and base: the judge of contacts, which knows nothing of sensors, says the same.
 
-use floorguard_configuration::{bridged_keys, ouster_example, ouster_keys};
+use floorguard_configuration::{EXAMPLE, bridged_keys, ouster_example, ouster_keys};
 use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_laboratory::plan::Plan;
 use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
@@ -96,7 +96,7 @@ fn every_scanner_stops_before_the_box() {
 
 /// A hall with open ends: a safety scanner warrants that nothing is there, none of the others does, and their robots stand.
 #[test]
-fn ranging_scanners_stand_in_open_halls() {
+fn fg_req_085_ranging_scanners_stand_in_open_halls() {
     for model in RANGING {
         let fit = |plan: Plan| plan.with_scanner(ScannerModel::Ranging(model)).unwrap();
         let (distance_m, contacts) = drive(hazard("box-30"), 8, fit);
@@ -105,4 +105,57 @@ fn ranging_scanners_stand_in_open_halls() {
     }
     let (distance_m, _) = drive(hazard("box-30"), 8, |plan| plan);
     assert!(distance_m > 1.0, "S300: {distance_m} m");
+}
+
+/// Bases with their part of `[can]`, and what they carry.
+const ROBOTS: [(&str, &str, &str, RangingModel); 4] = [
+    ("differential", "left_drive_node = 1\nright_drive_node = 2\n", "ouster", RangingModel::HokuyoUst),
+    ("tricycle", NODES, "pandar-xt32", RangingModel::SickTim5xx),
+    ("ackermann", NODES, "columns", RangingModel::RplidarS),
+    (
+        "omnidirectional",
+        "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n",
+        "ouster",
+        RangingModel::SickLms1xx,
+    ),
+];
+const NODES: &str = "drive_node = 1\nsteering_node = 2\nleft_encoder_node = 3\nright_encoder_node = 4\n";
+
+/// A file with base, lidar and scanner, as `simulate --robot` reads it.
+fn robot_file((kind, nodes, lidar, scanner): (&str, &str, &str, RangingModel)) -> String {
+    let steering = if kind == "ackermann" { "steering_max_deg = 40.0\n" } else { "" };
+    let lidar = match lidar {
+        "ouster" => ouster_keys(&ouster_example()),
+        "columns" => bridged_keys(),
+        plain => format!("model = \"{plain}\"\n"),
+    };
+    let scanner = format!(
+        "model = \"{}\"\nsource = \"tcp:192.168.0.10:2112\"\naccept_uncertified_mps = 0.3\n",
+        scanner.key()
+    );
+    let changes = [
+        (NODES, nodes),
+        ("\n[limits]\n", &format!("\n[base]\nkind = \"{kind}\"\n{steering}[limits]\n")),
+        ("model = \"vlp16\"\n", &lidar),
+        ("model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n", &scanner),
+        ("wheelbase_m = 0.80\n", if kind == "differential" { "" } else { "wheelbase_m = 0.80\n" }),
+    ];
+    changes.iter().fold(EXAMPLE.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    })
+}
+
+/// Each base behind sensors that the example does not have, from its file: all stop before the box.
+#[test]
+fn every_base_stops_behind_other_sensors() {
+    let folder = tempfile::tempdir().unwrap();
+    for robot in ROBOTS {
+        let file = folder.path().join("robot.toml");
+        std::fs::write(&file, robot_file(robot)).unwrap();
+        let fit = |plan: Plan| plan.with_robot(&file).unwrap_or_else(|error| panic!("{robot:?}: {error:#}"));
+        let (distance_m, contacts) = drive(Scenario::from_toml(ROOM).unwrap(), 18, fit);
+        println!("{robot:?}: {distance_m:.3} m");
+        assert!(contacts == 0 && (0.4..3.0).contains(&distance_m), "{robot:?}: {distance_m} m, {contacts}");
+    }
 }
