@@ -60,7 +60,7 @@ fn what_is_out_of_range_is_unknown() {
 }
 
 #[test]
-fn damaged_telegrams_are_refused_and_the_next_is_read() {
+fn damaged_telegrams_are_refused_next_is_read() {
     let mut scanner = Cola::new(TIM5XX);
     for (text, error) in [
         (EXAMPLE.replace(" 8A1 ", " 8G1 "), TelegramError::Values { found: 0, announced: 15 }),

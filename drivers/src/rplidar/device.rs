@@ -235,7 +235,7 @@ impl Device {
         event(DeviceEvent::Refused);
     }
 
-    /// Of a capsule that is none, what may begin the next one.
+    /// Of a damaged capsule, what may begin the next one.
     fn keep_from_next_start(&mut self) {
         let begins = |at: &usize| {
             let second = self.bytes.get(at.saturating_add(1));

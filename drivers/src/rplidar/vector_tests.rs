@@ -205,7 +205,7 @@ fn sensors_are_asked_and_found_again() {
 }
 
 #[test]
-fn trouble_and_other_answers_are_told() {
+fn trouble_and_other_answers_are_reported() {
     let mut device = Device::new(DeviceFamily::S);
     assert_eq!(pushed(&mut device, &bytes_of("a55a0300000006 023412"), 1), [DeviceEvent::Fault(0x1234)]);
     assert_eq!(pushed(&mut device, &bytes_of("a55a0300000006 010000"), 2), []);

@@ -79,7 +79,7 @@ mod tests {
         parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).warnings()
     }
 
-    /// What a scanner without safety costs is said with its range.
+    /// What a scanner without safety costs is reported with its range.
     #[test]
     fn fg_req_085_scanner_without_safety_is_pointed_out() {
         let safe = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";

@@ -10,7 +10,7 @@ use floorguard_guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
 use floorguard_localisation::odometry::{Ackermann, SideWheels, Tricycle, WheelGeometry};
-use floorguard_types::capacities::{PACKET_RINGS_MAX, SWEEP_RINGS};
+use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};

@@ -262,13 +262,11 @@ impl World<'_, '_> {
             self.sinks.sent(&frame, self.now_us);
             self.send(to_devices(&frame));
         }
-        let bytes = from_imu_line.drain();
-        if !bytes.is_empty() {
-            self.simulation.receive(Stream::ImuSerial, &bytes);
-        }
-        let asked = lines.scanner.asked();
-        if !asked.is_empty() {
-            self.simulation.receive(Stream::ScannerSerial, &asked);
+        let (to_imu, to_scanner) = (from_imu_line.drain(), lines.scanner.asked());
+        for (stream, bytes) in [(Stream::ImuSerial, to_imu), (Stream::ScannerSerial, to_scanner)] {
+            if !bytes.is_empty() {
+                self.simulation.receive(stream, &bytes);
+            }
         }
     }
 
