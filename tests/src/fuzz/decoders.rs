@@ -15,6 +15,7 @@ use floorguard_drivers::velodyne::{Decoder, Gprmc, ModelChoice, PositionPacket};
 use floorguard_drivers::xsens::{FrameReceiver, Measurement};
 use floorguard_sim::can::CanFrame as SimulatedFrame;
 use floorguard_sim::wire::SentVelocity;
+use floorguard_types::profile::Native;
 use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
@@ -105,7 +106,7 @@ pub fn rplidar(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
     let mut scanner = Rplidar::new(RPLIDAR_A);
     let mut push = |part: &[u8], now_us: u64| {
         let (mut scans, mut is_asked) = (0, false);
-        let mut take = |event: RangingEvent<'_, _>| {
+        let mut take = |event: RangingEvent<'_, Native>| {
             if let RangingEvent::Scan(scan) = event {
                 scans += 1;
                 let is_known =
