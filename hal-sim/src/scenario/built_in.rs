@@ -61,8 +61,9 @@ mod tests {
                     let share = f32::from(step) / 200.0;
                     let place = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
                     let gap_m = scenario.scene.furniture.iter().map(|item| {
-                        let [x_m, y_m] = [0, 1]
-                            .map(|axis| ((place[axis] - item.at_m[axis]).abs() - 0.5 * item.size_m[axis]).max(0.0));
+                        let [x_m, y_m] = [0, 1].map(|axis| {
+                            ((place[axis] - item.at_m[axis]).abs() - 0.5 * item.size_m[axis]).max(0.0)
+                        });
                         x_m.hypot(y_m)
                     });
                     let gap_m = gap_m.fold(f32::INFINITY, f32::min);

@@ -100,7 +100,9 @@ impl Ground {
         let GridCoordinates { column, row } = raster.coordinates_of(place);
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
         let cells = around.filter_map(|(dx, dy)| raster.index(column + dx, row + dy));
-        self.headed.get(quarter).is_some_and(|headed| cells.into_iter().any(|cell| headed.get(cell) == Some(&true)))
+        self.headed
+            .get(quarter)
+            .is_some_and(|headed| cells.into_iter().any(|cell| headed.get(cell) == Some(&true)))
     }
 
     /// The robot fits there, as far as the map shows.

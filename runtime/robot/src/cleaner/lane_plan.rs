@@ -32,7 +32,8 @@ struct Run {
 impl Run {
     /// How many of its cells are left, and how far on the first and the last of them are.
     fn left(&self, is_left: &[bool]) -> (usize, [f32; 2]) {
-        let mut left = self.cells.iter().filter(|(_, cell)| is_left[*cell as usize]).map(|(along_m, _)| *along_m);
+        let mut left =
+            self.cells.iter().filter(|(_, cell)| is_left[*cell as usize]).map(|(along_m, _)| *along_m);
         let Some(first_m) = left.next() else { return (0, [0.0; 2]) };
         let (count, last_m) = left.fold((1, first_m), |(count, _), along_m| (count + 1, along_m));
         (count, [first_m, last_m])
@@ -103,8 +104,10 @@ fn lines(ground: &Ground, quarter: usize, spacing_m: f32) -> Vec<f32> {
 fn runs(ground: &Ground, quarter: usize, across_m: f32) -> Vec<Run> {
     let raster = ground.raster();
     let (heading_rad, origin) = (quarter as f32 * FRAC_PI_2, raster.origin_in_map());
-    let (width_m, height_m) =
-        (f32::from(raster.width()) * raster.resolution_m(), f32::from(raster.height()) * raster.resolution_m());
+    let (width_m, height_m) = (
+        f32::from(raster.width()) * raster.resolution_m(),
+        f32::from(raster.height()) * raster.resolution_m(),
+    );
     let place = |along_m: f32| match quarter {
         0 => Point2::new(origin.x_m + along_m, across_m),
         1 => Point2::new(across_m, origin.y_m + along_m),
@@ -152,7 +155,8 @@ mod tests {
     #[test]
     fn lanes_pass_over_reachable_floor() {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
-        let mut ground = Ground::new(&MissionPlan::supermarket(), (Body::of(&robot), scrubber::BRUSH)).unwrap();
+        let mut ground =
+            Ground::new(&MissionPlan::supermarket(), (Body::of(&robot), scrubber::BRUSH)).unwrap();
         let mut path_finder = PathFinder::new(*ground.raster(), among_people(&robot, pace_of(&robot)));
         ground.explore(&mut path_finder);
         let lanes = lanes_over(&ground);

@@ -212,7 +212,9 @@ impl Cleaner {
         let is_goal = |pose: Pose2| {
             let in_lane = on_lane.inverse().compose(pose);
             let along_m = -ENTRY_M..=ENTRY_M.min(length_m);
-            along_m.contains(&in_lane.x_m) && in_lane.y_m.abs() < BESIDE_M && in_lane.heading_rad.abs() < ALONG_RAD
+            along_m.contains(&in_lane.x_m)
+                && in_lane.y_m.abs() < BESIDE_M
+                && in_lane.heading_rad.abs() < ALONG_RAD
         };
         let refused = self.refused;
         let slowness = |pose: Pose2, gear: Gear| {
