@@ -54,7 +54,7 @@ const CASES: [Case; 17] = [
     case("box-160", Removal::Imu),
     case("box-160", Removal::Encoders),
     case("box-160", Removal::Inputs),
-    case("low-box-6", Removal::Bumpers),
+    case("low-box-4", Removal::Bumpers),
     case("edge", Removal::FloorSwitches),
     Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-6", Removal::EmergencyStop) },
     case("box-30", Removal::ScanRule),
@@ -165,10 +165,10 @@ fn memory_holds_what_sinks_out_of_sight() {
     }
 }
 
-/// A thin bar across the way is seen by many rays, one that points at the robot by one of a hundred: the manual says so.
+/// A thin bar across the way is seen by many rays, one that points at the robot by one of a hundred: this one is met often enough.
 #[test]
-fn memory_holds_bars_across_not_ahead() {
-    for (world, touched) in [("bar-across-29", 0), ("bar-across-45", 0), ("bar-ahead-29", 1)] {
+fn memory_holds_bars_across_and_ahead() {
+    for (world, touched) in [("bar-across-29", 0), ("bar-across-45", 0), ("bar-ahead-29", 0)] {
         let whole = verdict(&plan(&case(world, Removal::MemoryRules)), None);
         assert_eq!(whole.bodies.counts.while_moving(), touched, "{world}: {}", whole.contacts_in_words());
     }
