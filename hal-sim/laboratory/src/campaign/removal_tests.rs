@@ -174,6 +174,19 @@ fn memory_holds_bars_across_and_ahead() {
     }
 }
 
+/// Soap on the floor: what brakes with 0.75 and with 0.5 m/s², less than the 0.8 m/s² that the fields are computed with, still stands before
+/// the box.
+#[test]
+fn robot_on_soap_stands_before_a_box() {
+    for grip in [0.3, 0.2] {
+        let mut plan = plan(&case("box-160", Removal::ScanRule));
+        plan.scenario.grip = Some(grip);
+        let whole = verdict(&plan, None);
+        let (contacts, stops) = (whole.bodies.counts.while_moving(), whole.stops);
+        assert!(whole.passed && contacts == 0 && stops > 0, "{grip}: {stops}, {:?}", whole.failures);
+    }
+}
+
 /// The trials that the campaign asks for, with its seed. Otherwise: every silent sensor in the first world.
 fn slice() -> (u64, std::ops::Range<u64>) {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
