@@ -315,3 +315,33 @@ fn fg_req_068_low_object_near_the_start_hides_its_side() {
     let high = nearest_m(&[0.10, 0.2, 0.3, 0.4], 0.0);
     assert!((high - 2.97).abs() < 0.08, "its upper part was met as near as it is: {high}");
 }
+
+/// The far corner of an oblique board of 12 cm is all that stands in the way, 4 cm deep: it is kept wherever the cells lie.
+#[test]
+fn fg_req_066_corner_in_the_way_is_kept() {
+    let mut config = config();
+    config.thresholds.memory_firings = 8;
+    config.lidar.floor_clearance_m = 0.08;
+    let (sin, cos) = 0.394_f64.sin_cos();
+    let (long_m, wide_m, mps) = (0.832, 0.118, 0.8);
+    let top_m = (sin * long_m + cos * wide_m) / 2.0;
+    let stops_m = Stopping::from(&config.footprint, forward(mps), (&config.drive, REACTION_S)).path_m();
+    for seed in (0..24_u64).step_by(4) {
+        let (middle_x, middle_y) = (5.0 + 0.0093 * seed as f64, -0.36 - top_m);
+        let strips: std::vec::Vec<Cuboid> = (0..80)
+            .map(|strip| (2.0 * f64::from(strip) + 1.0 - 80.0) / 80.0 * top_m)
+            .map(|y| {
+                let along = [(-long_m / 2.0 - y * sin) / cos, (long_m / 2.0 - y * sin) / cos];
+                let across = [(y * cos - wide_m / 2.0) / sin, (y * cos + wide_m / 2.0) / sin];
+                let x = [middle_x + along[0].max(across[0]), middle_x + along[1].min(across[1])];
+                Cuboid([x, [middle_y + y - top_m / 80.0, middle_y + y + top_m / 80.0], [0.0, 0.12]])
+            })
+            .filter(|Cuboid([[back, front], ..])| back < front)
+            .collect();
+        let corner_m = (middle_x + (cos * long_m - sin * wide_m) / 2.0) as f32;
+        let mut drive = Drive::begin(&config, seed);
+        drive.go((mps, (corner_m - FRONT_M - stops_m - STANDOFF_M) / mps), &strips);
+        let in_the_way = |place: &Point2| place.y_m > -0.45 && place.x_m > 4.0;
+        assert!(drive.obstacles(Sight::Met).iter().any(in_the_way), "seed {seed}");
+    }
+}
