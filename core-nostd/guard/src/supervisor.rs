@@ -269,6 +269,7 @@ impl Supervisor {
         if !is_whole {
             self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
         }
+        self.memory.pass_time(now);
         self.judge_way(now);
         self.decide(now)
     }

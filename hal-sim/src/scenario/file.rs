@@ -149,6 +149,8 @@ pub struct Scenario {
     /// The switches that feel for the floor never open.
     #[serde(default)]
     pub without_floor_switches: bool,
+    /// Share of the floor's grip that is left: 1 dry, 0.3 wet soap; none: dry.
+    pub grip: Option<f32>,
     /// The lidar is not where the robot's file says.
     pub lidar_misplaced: Option<MisplacedFile>,
     /// The scanner is not where the robot's file says.

@@ -82,13 +82,15 @@ impl Simulation {
         let scene = scenario.scene.build();
         let nominal = parameters;
         let parameters = mounted(scenario, nominal.clone());
+        let mut body = RobotBody::new(parameters.clone(), scenario.start_pose());
+        body.grip = scenario.grip.unwrap_or(body.grip).clamp(0.0, 1.0);
         Ok(Self {
             touch: Touch::new(&parameters, scenario, &scene),
             nominal,
             dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
             scene,
             crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
-            body: RobotBody::new(parameters.clone(), scenario.start_pose()),
+            body,
             bus: Bus::new(&parameters),
             lidar: LidarSensor::of(parameters.lidar_device, seed),
             scanner: Scanner::of(parameters.scanner_device, seed),

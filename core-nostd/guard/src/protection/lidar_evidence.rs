@@ -32,10 +32,15 @@ const STEPS: i32 = saturating_i32((REACH_M - NEAREST_M) / CELL_M);
 const RAMP_BELOW_M: f32 = 0.16;
 /// Slopes between which it is one.
 const RAMP: core::ops::Range<f32> = 0.02..0.2;
+/// A ramp begins on the floor: where the way up to a return is steeper by this than the way on from it, a step leads up to it, as to the
+/// side of a ramp.
+const STEP_MORE: f32 = 0.03;
 /// What rises more steeply is an obstacle, and up to this slope it is a surface that begins on the floor before the return.
 const STEEP: f32 = 0.6;
 /// Rings of a VLP-16 are 2° apart: metres between two rays, with a half more, per metre.
 const RING_GAP: f32 = 0.052;
+/// Returns nearer to each other than this have no slope, metres.
+const LEAST_RUN_M: f32 = 1.0e-3;
 /// Parts of a cell in which its places are counted along a look.
 const PARTS_OF_CELL: f32 = 65_536.0;
 
@@ -100,12 +105,17 @@ impl LocalMemory {
             }
             let mut toe_m = None;
             if height_m < RAMP_BELOW_M
-                && let Some(slope) = slope_above(firing, pair, (ring, plane_m, height_m))
+                && let Some(slope) = slope_to(firing, pair, (ring.saturating_add(1), plane_m, height_m))
             {
-                if RAMP.contains(&slope) {
+                let below = ring.checked_sub(1);
+                let below = below.and_then(|below| slope_to(firing, pair, (below, plane_m, height_m)));
+                let has_step = below.is_some_and(|below| below > slope + STEP_MORE);
+                if RAMP.contains(&slope) && !has_step {
                     continue;
                 }
-                toe_m = (RAMP.end..STEEP).contains(&slope).then(|| plane_m - height_m / slope);
+                let begins_on_floor = below.is_some() && !has_step;
+                let is_steep = (RAMP.end..STEEP).contains(&slope) && begins_on_floor;
+                toe_m = is_steep.then(|| plane_m - height_m / slope);
             }
             if let Some(toe_m) = toe_m.filter(|toe_m| *toe_m > pair.own_m.max(NEAREST_M)) {
                 self.meet(firing.cell_at(toe_m), 0.0, 0.0);
@@ -176,19 +186,14 @@ fn parts(cells: f32) -> i32 {
     saturating_i32(libm::floorf(cells * PARTS_OF_CELL))
 }
 
-/// How steeply it rises from a return to the one of the ring above; none if that ends before it.
-fn slope_above(
-    firing: &Firing,
-    pair: &Pair<'_>,
-    (ring, plane_m, height_m): (usize, f32, f32),
-) -> Option<f32> {
-    let above = ring.saturating_add(1);
-    let (raw, ray) = (pair.column.range_raw.get(above)?, firing.rays.get(above)?);
+/// How steeply it rises from a return to the one of another ring of the firing, or from that one to it; none without such a return.
+fn slope_to(firing: &Firing, pair: &Pair<'_>, (ring, plane_m, height_m): (usize, f32, f32)) -> Option<f32> {
+    let (raw, ray) = (pair.column.range_raw.get(ring)?, firing.rays.get(ring)?);
     if *raw == 0 {
         return None;
     }
-    let next_m = f32::from(*raw) * pair.unit_m * ray.plane;
-    let rise_m = firing.height_m + next_m * ray.slope - height_m;
-    let run_m = next_m - plane_m;
-    (run_m > 0.0).then(|| rise_m / run_m)
+    let other_m = f32::from(*raw) * pair.unit_m * ray.plane;
+    let rise_m = firing.height_m + other_m * ray.slope - height_m;
+    let run_m = other_m - plane_m;
+    (run_m.abs() > LEAST_RUN_M).then(|| rise_m / run_m)
 }

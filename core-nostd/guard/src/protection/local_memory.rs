@@ -1,9 +1,9 @@
 //! What stands around the robot: cells of the floor that move under it, and keep what any sensor saw until a later look passes
 //! through the same place and height, or until it is out of reach. Time alone clears nothing (FG-REQ-028).
 //!
-//! A window of 4.5 m by 4.5 m in cells of 7 cm, fixed to the floor by the wheels; its middle lies 1.2 m ahead of the
+//! A window of 4.7 m by 4.7 m in cells of 7.35 cm, fixed to the floor by the wheels; its middle lies 1.35 m ahead of the
 //! robot's origin. Each cell keeps two kinds apart: that the safety scanner met something in its plane, and a run of
-//! heights below the lidar in which the lidar did, in two spans of time. Of several runs the lowest one stays.
+//! heights below the lidar in which the lidar did, in two spans of time of three. Of several runs the lowest one stays.
 
 use heapless::Vec;
 
@@ -18,11 +18,12 @@ use floorguard_types::time::{Age, Stamp};
 /// Cells along each side of the window: the bits of a word.
 pub const SIDE: usize = 64;
 /// Side of a cell, metres.
-pub const CELL_M: f32 = 0.07;
+pub const CELL_M: f32 = 0.0735;
 /// The middle of the window lies this far ahead of the robot's origin, metres: more room ahead than behind.
-const AHEAD_M: f32 = 1.22;
-/// What the lidar met is kept when it meets it again in the next span of this length, microseconds: three sweeps. Noise and the
-/// legs of a person who walks by do not stay.
+const AHEAD_M: f32 = 1.35;
+/// What the lidar met is kept when it meets it again in one of the next two spans of this length, microseconds: three sweeps each.
+/// Noise and the legs of a person who walks by do not stay; a level surface, which one ring crosses and the next one 0.4 m of the
+/// robot's way later, does.
 const AGREE_US: u64 = 300_000;
 /// Between two measurements of the wheels; what takes longer is a lost source, seconds.
 const STEP_MAX_S: f32 = 0.1;
@@ -143,14 +144,20 @@ impl LocalMemory {
         };
         self.pose = moved(self.pose, twist, step_s);
         (self.twist, self.at) = (twist, Some(stamp));
-        if self.span_at.past_us(stamp) >= AGREE_US {
-            self.rows.iter_mut().for_each(Row::begin_span);
-            self.span_at = stamp;
-        }
+        self.pass_time(stamp);
         let now = Point2::new(self.pose.x_m, self.pose.y_m);
         self.began = self.began.filter(|began| Point2::new(began.x_m, began.y_m).distance(now) < LEFT_M);
         self.shift_to(self.wanted_first());
         step_s
+    }
+
+    /// A span of time ends when it has lasted long enough. By the ticks, too: the wheels may be heard last of all, and what the
+    /// lidar has met until then shall be known when the robot starts.
+    pub fn pass_time(&mut self, now: Stamp) {
+        if self.span_at.past_us(now) >= AGREE_US {
+            self.rows.iter_mut().for_each(Row::begin_span);
+            self.span_at = now;
+        }
     }
 
     /// The wheels say that the robot stands.
@@ -190,7 +197,7 @@ impl LocalMemory {
         }
     }
 
-    /// The lidar met something in a cell, lately or in two spans of time.
+    /// The lidar met something in a cell, lately or in two spans of time of three.
     #[must_use]
     pub fn holds(&self, cell: Cell) -> bool {
         self.has(cell) && self.rows.get(local(cell.y)).is_some_and(|row| row.holds(local(cell.x)))

@@ -41,6 +41,11 @@ impl Beginning {
         let (least_m, share) = EDGE_M;
         self.height_m + self.slope * away_m + least_m + share * away_m
     }
+
+    /// So high, in steps, a cell is no higher than the lowest ring passed there.
+    fn is_edge(&self, cell: Cell, top: u8) -> bool {
+        height_of_step_m(top) < self.edge_m(cell)
+    }
 }
 
 impl LocalMemory {
@@ -83,15 +88,16 @@ impl LocalMemory {
     /// hides nothing.
     fn is_edge(&self, cell: Cell, beginning: &Beginning) -> bool {
         let top = self.rows.get(local(cell.y)).and_then(|row| row.top_by_lidar(local(cell.x)));
-        top.is_some_and(|top| height_of_step_m(top) < beginning.edge_m(cell))
+        top.is_some_and(|top| beginning.is_edge(cell, top))
     }
 
-    /// A ray went through a cell at a height that was met. Where the memory began that refutes no edge that is met still, because rays
-    /// go past a narrow end of it, and none while the robot moves: then the lowest ring rises above what it had met.
+    /// A ray went through a cell at a height that was met. Where the memory began that refutes no edge that is met still, be it kept or
+    /// not yet, because rays go past a narrow end of it, and none while the robot moves: then the lowest ring rises above what it had met.
     pub(super) fn stays_edge(&self, cell: Cell, rays: &LidarRays) -> bool {
-        let is_met = || self.rows.get(local(cell.y)).is_some_and(|row| row.is_met(local(cell.x)));
-        self.beginning(rays).is_some_and(|beginning| self.is_edge(cell, &beginning))
-            && (!self.stands() || is_met())
+        let (Some(row), index) = (self.rows.get(local(cell.y)), local(cell.x)) else { return false };
+        let is_edge =
+            |beginning: Beginning| row.top_met(index).is_some_and(|top| beginning.is_edge(cell, top));
+        self.beginning(rays).is_some_and(is_edge) && (!self.stands() || row.is_met(index))
     }
 
     /// Of these lone cells of a row, those that are no edges.

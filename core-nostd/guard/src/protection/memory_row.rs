@@ -75,8 +75,9 @@ impl Run {
 pub struct Row {
     pub(crate) by_lidar: u64,
     pub(crate) by_scanner: u64,
-    /// What the lidar met in this span of [`AGREE_US`] and in the one before: it is kept when two of them agree.
-    pub(crate) lately: [u64; 2],
+    /// What the lidar met in this span of [`AGREE_US`], in the one before, and in either of the two before: what it meets in
+    /// this one and in either of those is kept.
+    pub(crate) lately: [u64; 3],
     pub(crate) runs: [Run; SIDE],
     sum: u32,
 }
@@ -84,7 +85,7 @@ pub struct Row {
 impl Row {
     /// Nothing but zeros, which take no space in a program.
     pub(super) const EMPTY: Self =
-        Self { by_lidar: 0, by_scanner: 0, lately: [0; 2], runs: [Run { low: 0, top: 0 }; SIDE], sum: 0 };
+        Self { by_lidar: 0, by_scanner: 0, lately: [0; 3], runs: [Run { low: 0, top: 0 }; SIDE], sum: 0 };
 
     pub(super) fn run(&self, index: usize) -> Run {
         self.runs.get(index).copied().unwrap_or_default()
@@ -98,6 +99,11 @@ impl Row {
     /// The highest step at which the lidar met something here, if it alone did.
     pub(super) fn top_by_lidar(&self, index: usize) -> Option<u8> {
         has_bit(self.by_lidar & !self.by_scanner, index).then(|| self.run(index).top)
+    }
+
+    /// The highest step at which the lidar met something here, kept or not yet, if it alone did.
+    pub(super) fn top_met(&self, index: usize) -> Option<u8> {
+        (self.holds(index) && !has_bit(self.by_scanner, index)).then(|| self.run(index).top)
     }
 
     /// Of these cells, those in which the lidar met a single height.
@@ -118,26 +124,26 @@ impl Row {
 
     /// Heights in which the lidar met something lately, or at any time if it is kept.
     pub(super) const fn holds(&self, index: usize) -> bool {
-        let [now, before] = self.lately;
+        let [now, _, before] = self.lately;
         has_bit(self.by_lidar | now | before, index)
     }
 
-    /// The lidar met something in this span or in the one before.
+    /// The lidar met something in this span or in either of the two before.
     pub(super) const fn is_met(&self, index: usize) -> bool {
-        let [now, before] = self.lately;
+        let [now, _, before] = self.lately;
         has_bit(now | before, index)
     }
 
     pub(super) fn meet(&mut self, index: usize, (step, gap): (u8, u8)) {
         let run = if self.holds(index) { self.run(index) } else { Run::default() };
         let grown = run.with(step, gap);
-        let [now, _] = self.lately;
+        let [now, ..] = self.lately;
         // Most returns repeat what this span holds already.
         if grown == run && has_bit(now, index) {
             return;
         }
         self.set_run(index, grown);
-        let [now, before] = &mut self.lately;
+        let [now, _, before] = &mut self.lately;
         if has_bit(*before, index) {
             self.sum ^= folded(set_bit(&mut self.by_lidar, index, true));
         }
@@ -157,17 +163,19 @@ impl Row {
 
     /// A new span of time begins.
     pub(super) fn begin_span(&mut self) {
-        let [now, before] = self.lately;
-        self.sum ^= folded(now).rotate_left(13) ^ folded(now ^ before).rotate_left(19);
-        self.lately = [0, now];
+        let [now, last, _] = self.lately;
+        let begun = [0, now, now | last];
+        self.sum ^= sum_of_spans(self.lately) ^ sum_of_spans(begun);
+        self.lately = begun;
     }
 
     pub(super) fn clear_lidar(&mut self, index: usize) {
         self.set_run(index, Run::default());
-        let [now, before] = &mut self.lately;
-        self.sum ^= folded(set_bit(&mut self.by_lidar, index, false));
-        self.sum ^= folded(set_bit(now, index, false)).rotate_left(13);
-        self.sum ^= folded(set_bit(before, index, false)).rotate_left(19);
+        let others = !1_u64.wrapping_shl(count_u32(index));
+        let cleared = self.lately.map(|span| span & others);
+        self.sum ^= folded(self.by_lidar & !others) ^ sum_of_spans(self.lately) ^ sum_of_spans(cleared);
+        self.by_lidar &= others;
+        self.lately = cleared;
     }
 
     pub(super) fn clear(&mut self, index: usize) {
@@ -177,14 +185,17 @@ impl Row {
 
     pub(super) fn is_whole(&self) -> bool {
         let runs = self.runs.iter().enumerate().fold(0, |sum, (index, run)| sum ^ run.word(index));
-        let [now, before] = self.lately;
-        let lately = folded(now).rotate_left(13) ^ folded(before).rotate_left(19);
+        let lately = sum_of_spans(self.lately);
         runs ^ folded(self.by_lidar) ^ folded(self.by_scanner).rotate_left(7) ^ lately == self.sum
     }
 }
 
 const fn has_bit(word: u64, index: usize) -> bool {
     word.wrapping_shr(count_u32(index)) & 1 != 0
+}
+
+const fn sum_of_spans([now, last, before]: [u64; 3]) -> u32 {
+    folded(now).rotate_left(13) ^ folded(last).rotate_left(25) ^ folded(before).rotate_left(19)
 }
 
 /// Both halves of a word in one.

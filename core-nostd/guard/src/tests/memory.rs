@@ -225,17 +225,42 @@ fn fg_req_028_what_one_span_meets_is_not_kept() {
         memory.meet(cell, 0.5, 0.05);
     }
     assert_eq!((count(&memory), memory.holds(cell)), (0, true), "not yet");
-    pass_span(&mut memory, 1);
-    pass_span(&mut memory, 2);
+    (1..4).for_each(|span| pass_span(&mut memory, span));
     assert!(!memory.holds(cell), "and no more");
     memory.meet(cell, 0.7, 0.05);
-    pass_span(&mut memory, 3);
+    pass_span(&mut memory, 4);
     memory.meet(cell, 0.7, 0.05);
     assert_eq!(count(&memory), 1, "two spans agree");
     look(&mut memory, cell, 0.6);
     assert_eq!(count(&memory), 1, "the height of the first time is forgotten");
     look(&mut memory, cell, 0.7);
     assert_eq!((count(&memory), memory.holds(cell)), (0, false));
+}
+
+/// A ring crosses a level surface, and the next one comes there half a second later.
+#[test]
+fn fg_req_028_spans_agree_across_an_empty_one() {
+    let cell = Cell::of(Point2::new(1.0, 0.3));
+    for (empty, kept) in [(0, 1), (1, 1), (2, 0)] {
+        let mut memory = memory();
+        pass_span(&mut memory, 0);
+        memory.meet(cell, 0.09, 0.05);
+        (0..=empty).for_each(|span| pass_span(&mut memory, span + 1));
+        memory.meet(cell, 0.09, 0.05);
+        assert_eq!(count(&memory), kept, "{empty} spans between");
+        assert!((0..16).all(|_| memory.check_next()));
+    }
+}
+
+/// Encoders and drives are often heard last: what the lidar has met by then is known when the robot may start.
+#[test]
+fn fg_req_028_memory_agrees_before_wheels_are_heard() {
+    let mut guard = Supervisor::new(config(), at(0)).unwrap();
+    for step in 1..70 {
+        guard.memory.meet(Cell::of(Point2::new(3.1, 0.3)), 0.1, 0.05);
+        guard.tick(at(10 * step));
+    }
+    assert_eq!(count(&guard.memory), 1);
 }
 
 #[test]
@@ -303,11 +328,11 @@ fn fg_req_028_a_flipped_bit_of_the_memory_is_noticed() {
     let noticed = |memory: &mut LocalMemory| (0..16).any(|_| !memory.check_next());
     assert!(!noticed(&mut memory));
     fn word(row: &mut Row, index: usize) -> &mut u64 {
-        let [now, before] = &mut row.lately;
-        [&mut row.by_lidar, &mut row.by_scanner, now, before].into_iter().nth(index).unwrap()
+        let [now, last, before] = &mut row.lately;
+        [&mut row.by_lidar, &mut row.by_scanner, now, last, before].into_iter().nth(index).unwrap()
     }
     for row in 0..memory.rows.len() {
-        for index in 0..4 {
+        for index in 0..5 {
             let bit = 1 << ((row * 7 + index * 11) % 64);
             *word(&mut memory.rows[row], index) ^= bit;
             assert!(noticed(&mut memory), "row {row}");

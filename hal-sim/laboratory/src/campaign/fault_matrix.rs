@@ -31,7 +31,7 @@ pub fn cells() -> Vec<Cell> {
 #[must_use]
 pub fn cell_of(trial: u64) -> Cell {
     let cells = cells();
-    // 127 pairs × 5 phases: a stride without a common factor visits every cell once in a round.
+    // 127 pairs × 7 phases: a stride without a common factor visits every cell once in a round.
     let stride = (cells.len() as u64 * 618 / 1_000..)
         .find(|stride| gcd(*stride, cells.len() as u64) == 1)
         .unwrap_or(1);
@@ -119,7 +119,7 @@ pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
 
 /// Plays one trial with the stages of the microcontroller, and gives the tape of all input of the robot.
 ///
-/// `None` where the fault is in the computer itself: a tape holds only what comes from outside.
+/// `None` where the fault is in the computer itself, or somebody drives by hand: a tape holds only what comes from devices, and a route.
 #[must_use]
 pub fn taped_fault_trial(seed: u64, trial: u64) -> Option<(Cell, RunOutcome, Vec<u8>)> {
     let cell = cell_of(trial);
@@ -130,6 +130,9 @@ pub fn taped_fault_trial(seed: u64, trial: u64) -> Option<(Cell, RunOutcome, Vec
         Ok(trial) => trial,
         Err(broken) => return Some((cell, *broken, Vec::new())),
     };
+    if !trial.run.plan.scenario.manoeuvre.is_empty() {
+        return None;
+    }
     trial.run.plan.stages = Stages::AsOnBoard;
     // Most of the time goes into the emulator: the board receives every firing.
     trial.run.plan.lidar_grain = 1;
@@ -177,7 +180,7 @@ mod tests {
         assert_eq!(visited.len(), cells.len());
         let counts = visited.into_iter().map(|cell| (cell, 1)).collect();
         let (table, share) = coverage(&counts);
-        assert!(share == 1.0 && table.contains("1/1/1/1/1") && table.lines().count() == 21, "{table}");
+        assert!(share == 1.0 && table.contains("1/1/1/1/1/1/1") && table.lines().count() == 21, "{table}");
     }
 
     /// A robot that rolls under the fault is held against a run without any: its own would excuse it.

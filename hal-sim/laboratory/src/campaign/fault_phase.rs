@@ -6,7 +6,7 @@ use floorguard_types::random::Pcg32;
 use crate::world::{Observation, Plan, PlanError};
 
 /// Phases.
-pub const PHASES: [&str; 5] = ["start", "cruise", "approach", "hold", "operator"];
+pub const PHASES: [&str; 7] = ["start", "cruise", "approach", "hold", "operator", "turning", "reversing"];
 
 /// A box stands on the path, and stays.
 const HOLD: &str = r#"
@@ -21,6 +21,44 @@ wall = [
   { from_m = [16.0, -6.0], to_m = [16.0, 6.0] },
 ]
 furniture = [{ kind = "box", at_m = [2.4, 0.0], size_m = [0.6, 0.8], height_m = 1.6 }]
+"#;
+
+/// A tight round with a box in its middle, which the tail passes at each corner, and somebody who crosses it.
+const TURNING: &str = r#"
+title = "a round with a turn every few seconds"
+[route]
+speed_mps = 0.6
+repeat = true
+waypoints_m = [[1.8, 0.0], [1.8, 1.8], [0.0, 1.8], [0.0, 0.0]]
+[scene]
+wall = [
+  { from_m = [-6.0, -6.0], to_m = [16.0, -6.0] },
+  { from_m = [-6.0, 6.0], to_m = [16.0, 6.0] },
+]
+furniture = [{ kind = "box", at_m = [0.9, 0.9], size_m = [0.3, 0.3], height_m = 0.5 }]
+[[person]]
+at_m = [5.0, -4.0]
+speed_mps = 0.9
+goals_m = [[1.0, 5.0], [5.0, -4.0]]
+"#;
+
+/// Somebody drives it by hand: ahead, back towards a box of 45 cm, back in a bend, and a turn on the spot.
+const REVERSING: &str = r#"
+title = "ahead and back by hand, a box behind"
+manoeuvre = [
+  { seconds = 2.5, forward_mps = 0.0, turn_radps = 0.0 },
+  { seconds = 1.5, forward_mps = 0.5, turn_radps = 0.0 },
+  { seconds = 3.0, forward_mps = -0.25, turn_radps = 0.0 },
+  { seconds = 2.0, forward_mps = -0.2, turn_radps = 0.3 },
+  { seconds = 2.0, forward_mps = 0.0, turn_radps = 0.5 },
+  { seconds = 9.0, forward_mps = -0.2, turn_radps = -0.1 },
+]
+[scene]
+wall = [
+  { from_m = [-6.0, -6.0], to_m = [16.0, -6.0] },
+  { from_m = [-6.0, 6.0], to_m = [16.0, 6.0] },
+]
+furniture = [{ kind = "box", at_m = [-1.4, 0.0], size_m = [0.4, 0.6], height_m = 0.45 }]
 "#;
 
 /// The robot may settle this far after it must stand, metres.
@@ -63,6 +101,8 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
         "approach" => ("hold", between(12, 50), between(20, 40), RETURNS_DS, None),
         // It stands before the box after 6.5 s, as a rule: the judge knows what it does without the fault.
         "hold" => ("hold", between(70, 80), between(10, 25), STANDS_ON_DS, Some((7.0, 11.0))),
+        "turning" => ("turning", between(30, 60), between(10, 35), RETURNS_DS, None),
+        "reversing" => ("reversing", between(35, 75), between(10, 35), RETURNS_DS, None),
         // Pressed at 3 s, released at 4 s; the operator resets not before 7 s.
         _ => ("crossing", between(20, 45), between(10, 25), RETURNS_DS, Some((4.75, 6.75))),
     };
@@ -70,6 +110,8 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
     let duration_us = (to_ds + after_ds).max(if PHASES[phase] == "operator" { 85 } else { 0 }) * 100_000;
     let mut plan = match scenario {
         "hold" => box_on_path(seed, duration_us)?,
+        "turning" => Plan::of(scenario, Scenario::from_toml(TURNING)?, seed, duration_us)?,
+        "reversing" => Plan::of(scenario, Scenario::from_toml(REVERSING)?, seed, duration_us)?,
         name => Plan::named(name, seed, duration_us)?,
     };
     plan.lidar_grain = LIDAR_GRAIN;
@@ -162,6 +204,23 @@ mod tests {
         let stood = Observation { verdict: seen.verdict.clone(), ..Observation::default() };
         assert!(run.judge(&seen, || Ok(stood)).is_some(), "it comes nearer without any fault");
         assert_eq!(run.judge(&seen, || Ok(seen.clone())), None);
+    }
+
+    /// Without any fault the robot turns, or drives backwards, for a good part of the time in which a fault may be.
+    #[test]
+    fn turning_and_reversing_phases_turn_and_reverse() {
+        let play = || {
+            ["turning", "reversing"].map(|name| {
+                let phase = PHASES.iter().position(|phase| *phase == name).expect("a phase");
+                let run = draw(phase, 4, &mut Pcg32::new(4, 61)).expect("a plan");
+                crate::campaign::watched(&run.plan).expect("a run").verdict
+            })
+        };
+        let seen = std::thread::Builder::new().stack_size(32 << 20).spawn(play).expect("a thread");
+        let [turning, reversing] = seen.join().expect("no panic");
+        assert!(turning.passed && reversing.passed, "{:?} {:?}", turning.failures, reversing.failures);
+        let shares = (turning.bodies.turning_share, reversing.bodies.reversing_share);
+        assert!(shares.0 > 0.3 && shares.1 > 0.3, "{shares:?}");
     }
 
     #[test]

@@ -54,7 +54,7 @@ const CASES: [Case; 17] = [
     case("box-160", Removal::Imu),
     case("box-160", Removal::Encoders),
     case("box-160", Removal::Inputs),
-    case("low-box-6", Removal::Bumpers),
+    case("low-box-4", Removal::Bumpers),
     case("edge", Removal::FloorSwitches),
     Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-6", Removal::EmergencyStop) },
     case("box-30", Removal::ScanRule),
@@ -165,12 +165,25 @@ fn memory_holds_what_sinks_out_of_sight() {
     }
 }
 
-/// A thin bar across the way is seen by many rays, one that points at the robot by one of a hundred: the manual says so.
+/// A thin bar across the way is seen by many rays, one that points at the robot by one of a hundred: this one is met often enough.
 #[test]
-fn memory_holds_bars_across_not_ahead() {
-    for (world, touched) in [("bar-across-29", 0), ("bar-across-45", 0), ("bar-ahead-29", 1)] {
+fn memory_holds_bars_across_and_ahead() {
+    for (world, touched) in [("bar-across-29", 0), ("bar-across-45", 0), ("bar-ahead-29", 0)] {
         let whole = verdict(&plan(&case(world, Removal::MemoryRules)), None);
         assert_eq!(whole.bodies.counts.while_moving(), touched, "{world}: {}", whole.contacts_in_words());
+    }
+}
+
+/// Soap on the floor: what brakes with 0.75 and with 0.5 m/s², less than the 0.8 m/s² that the fields are computed with, still stands before
+/// the box.
+#[test]
+fn robot_on_soap_stands_before_a_box() {
+    for grip in [0.3, 0.2] {
+        let mut plan = plan(&case("box-160", Removal::ScanRule));
+        plan.scenario.grip = Some(grip);
+        let whole = verdict(&plan, None);
+        let (contacts, stops) = (whole.bodies.counts.while_moving(), whole.stops);
+        assert!(whole.passed && contacts == 0 && stops > 0, "{grip}: {stops}, {:?}", whole.failures);
     }
 }
 

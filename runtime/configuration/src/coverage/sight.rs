@@ -20,8 +20,8 @@ const EDGE_M: f32 = 0.002;
 const MEMORY_CLEARANCE: f32 = 0.75;
 /// The memory keeps what the lidar meets this far below it, metres.
 const BELOW_LIDAR_M: f32 = 0.05;
-/// Seen for this long on the way, an object is known: two scans of the scanner that agree; one turn of the lidar in each of two spans
-/// of 0.3 s that follow each other; three pictures of the floor camera, seconds.
+/// Seen for this long on the way, an object is known: two scans of the scanner that agree; one turn of the lidar in each of two
+/// spans of 0.3 s, of three that follow each other; three pictures of the floor camera, seconds.
 const SCANNER_LOOK_S: f32 = 0.1;
 const LIDAR_LOOK_S: f32 = 0.5;
 const CAMERA_LOOK_S: f32 = 0.3;
@@ -32,8 +32,8 @@ pub(super) const PLACE_M: f32 = 0.05;
 /// Places along x and y, and where they begin, metres: a little more than the window of the guard's memory.
 const COUNT: [usize; 2] = [92, 90];
 const BEGIN_M: [f32; 2] = [-1.20, -2.25];
-/// The window of the memory along x, metres.
-const WINDOW_M: [f32; 2] = [-1.02, 3.39];
+/// The window of the memory along x, metres: what it reaches ahead beyond the places above is not counted on.
+const WINDOW_M: [f32; 2] = [-1.00, 3.39];
 
 /// A place of the floor, counted from the corner of the area.
 pub(super) type Index = [usize; 2];

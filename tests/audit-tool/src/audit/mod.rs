@@ -9,5 +9,6 @@ mod refusal_tests;
 mod run;
 #[cfg(test)]
 mod sneaky_tests;
+mod tasks;
 
 pub use run::{Options, run};

@@ -30,6 +30,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let root = shell::root();
     let files = sources::read_audited(&root)?;
     let (mut claims, mut sites) = judge_sources(&files);
+    claims.push(super::tasks::judge(&super::tasks::read(&root)?));
     claims.push(seen::compare(&root, &mut sites));
     claims.push(hosted_only::claim(&root, &files)?);
     claims.extend(structure::judge(&root)?);

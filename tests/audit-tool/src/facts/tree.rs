@@ -14,6 +14,9 @@ pub struct Sources {
     pub robot: Vec<String>,
     /// What is compiled for a microcontroller besides the audited crates.
     pub firmware: Vec<String>,
+    /// Tasks that run the audited code, and what they share: judged by their sources.
+    #[serde(default)]
+    pub tasks: Vec<String>,
     /// The package that every audited crate knows.
     pub helpers: String,
     /// Features under which audited crates are checked in a copy.

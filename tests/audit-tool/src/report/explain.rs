@@ -74,6 +74,15 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ("claims", "sneaky_tests.rs: circles_*"),
     ),
     explanation(
+        "tasks-in-sources",
+        (
+            "The same searches in the tasks that make drive commands of decisions, and in what they share; a loop without an end must \
+             wait for something in every turn.",
+            "Sources only: their executor calls through registers, and libraries wait for them. No claim on their stack.",
+        ),
+        ("claims", "tasks.rs: mistake_in_a_task_is_named"),
+    ),
+    explanation(
         "loops-within-bounds",
         (
             "A copy of the tree counted the turns of its loops while the tests ran; no recorded count may exceed its bound, and \
