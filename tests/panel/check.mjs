@@ -54,7 +54,7 @@ const clipped = () => {
     if (!part.offsetParent || part.closest(".unseen")) continue;
     if (part.scrollWidth > part.clientWidth + 1 && getComputedStyle(part).overflowX !== "visible" && part.id !== "title") out.push("clipped " + part.tagName + " " + part.textContent.slice(0, 40));
     const box = part.getBoundingClientRect();
-    if ((box.right > innerWidth + 1 || box.left < -1) && !part.closest(".wide")) out.push("outside " + part.tagName + " " + part.textContent.slice(0, 40));
+    if ((box.right > innerWidth + 1 || box.left < -1) && !part.closest(".wide, .table")) out.push("outside " + part.tagName + " " + part.textContent.slice(0, 40));
   }
   if (document.documentElement.scrollWidth > innerWidth) out.push("page is " + document.documentElement.scrollWidth + " wide");
   return out;

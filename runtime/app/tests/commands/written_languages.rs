@@ -5,7 +5,8 @@ use std::process::{Command, Output};
 
 const LANGUAGES: [&str; 5] = ["en", "de", "fr", "it", "es"];
 /// What is the same in all languages: units, names of this program, of the run and of places.
-const SAME: [&str; 7] = ["robot", "supermarket", "floorguard", "run.mcap", "m/s", "Supermarket", "FG-REQ-"];
+const SAME: [&str; 8] =
+    ["robot", "supermarket", "floorguard", "run.mcap", "m/s", "Supermarket", "FG-REQ-", " UTC"];
 
 fn floorguard(arguments: &[&str]) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).args(arguments).output();
@@ -37,7 +38,7 @@ fn spoken(html: &str) -> Vec<String> {
         }
         rest = after;
     }
-    pieces.retain(|piece| piece.chars().filter(|letter| letter.is_alphabetic()).count() > 2);
+    pieces.retain(|piece| !piece.is_empty());
     pieces
 }
 
@@ -47,7 +48,9 @@ fn forgotten(pages: &[Vec<String>; 5]) -> Vec<&String> {
     for (other, code) in others.iter().zip(&LANGUAGES[1..]) {
         assert_eq!(other.len(), english.len(), "{code} has other pieces");
     }
-    let same = |index: usize, piece: &String| others.iter().all(|other| other[index] == *piece);
+    let is_word = |piece: &str| piece.chars().filter(|letter| letter.is_alphabetic()).count() > 2;
+    let same =
+        |index: usize, piece: &String| is_word(piece) && others.iter().all(|other| other[index] == *piece);
     let pieces = english.iter().enumerate().filter(|(index, piece)| same(*index, piece));
     pieces.map(|(_, piece)| piece).filter(|piece| !SAME.iter().any(|word| piece.contains(word))).collect()
 }
