@@ -64,7 +64,7 @@ mod tests {
                         let [x_m, y_m] = [0, 1].map(|axis| {
                             ((place[axis] - item.at_m[axis]).abs() - 0.5 * item.size_m[axis]).max(0.0)
                         });
-                        x_m.hypot(y_m)
+                        libm::hypotf(x_m, y_m)
                     });
                     let gap_m = gap_m.fold(f32::INFINITY, f32::min);
                     assert!(gap_m > BESIDE_M, "{name}: {gap_m} m at {place:?}");
