@@ -76,9 +76,10 @@ pub const EXPLANATIONS: &[Explanation] = &[
     explanation(
         "tasks-in-sources",
         (
-            "The same searches in the tasks that make drive commands of decisions, and in what they share; a loop without an end must \
-             wait for something in every turn.",
-            "Sources only: their executor calls through registers, and libraries wait for them. No claim on their stack.",
+            "The same searches for the heap, panics, unsafe code and loops in the tasks that make drive commands of decisions, \
+             and in what they share; a loop without an end must wait for something in every turn.",
+            "Sources only: their executor calls through registers, and libraries wait for them. No claim on circles, \
+             pointers and their stack.",
         ),
         ("claims", "tasks.rs: mistake_in_a_task_is_named"),
     ),
