@@ -48,7 +48,7 @@ impl Language {
 
     /// Words in this language; what the table does not have stays English.
     #[must_use]
-    pub fn say<'a>(self, english: &'a str) -> &'a str {
+    pub fn say(self, english: &str) -> &str {
         table().get(english).and_then(|row| row.get(self as usize)).map_or(english, String::as_str)
     }
 
