@@ -174,7 +174,6 @@ mod tests {
         let (all, swept) = (reachable().count(), reachable().filter(|cell| passed[*cell]).count());
         let way_m: f32 = lanes.iter().map(|lane| lane.from.distance(lane.to)).sum();
         let area_m2 = all as f32 * 0.01;
-        println!("{} lanes, {way_m} m over {area_m2} m²; {swept} of {all} cells", lanes.len());
         assert!(swept as f32 > 0.95 * all as f32, "{swept} of {all}");
         assert!(way_m < 2.0 * area_m2 / (2.0 * ground.lane_m()), "{way_m} m over {area_m2} m²");
         assert!(lanes.len() < 150, "{}", lanes.len());
