@@ -258,12 +258,9 @@ impl Simulation {
         self.push(at_us, Stream::Can, Payload::Frame(frame));
     }
 
-    /// Bytes that the robot's computer has written to a line; the IMU listens, and a scanner that must be asked.
+    /// Bytes that the robot's computer has written to a serial line; only the IMU listens.
     pub fn receive(&mut self, stream: Stream, bytes: &[u8]) {
-        if stream == Stream::ScannerSerial {
-            self.scanner.receive(bytes, self.now_us);
-        }
-        if stream != Stream::ImuSerial || bytes.is_empty() {
+        if stream != Stream::ImuSerial {
             return;
         }
         let answer = self.imu.receive(bytes, self.now_us);

@@ -27,10 +27,7 @@ fn main() -> anyhow::Result<()> {
         robot.scanner.model
     );
     anyhow::ensure!(
-        !matches!(
-            robot.lidar.model,
-            LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_)
-        ),
+        robot.lidar.model != LidarModel::PandarXt16,
         "robot.toml: [lidar] the boards decode Velodyne lidars only; write model = \"vlp16\", or run this robot on Linux"
     );
     // So that the board need not be able to say what is wrong.

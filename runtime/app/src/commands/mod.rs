@@ -20,7 +20,6 @@ mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
-mod lidar_metadata;
 mod live;
 mod live_camera;
 mod live_outputs;
@@ -66,7 +65,6 @@ pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
-pub use lidar_metadata::LidarMetadataArguments;
 pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -109,7 +107,6 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => evaluation::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::LidarMetadata(arguments)) => lidar_metadata::run(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
