@@ -11,7 +11,6 @@ mod choices;
 #[cfg(feature = "laboratory")]
 mod demo;
 mod exit;
-mod explain;
 mod explore;
 #[cfg(feature = "laboratory")]
 mod explore_simulated;
@@ -54,7 +53,7 @@ pub use crate::evaluation::{EvalArguments, EvalStage};
 pub use crate::learning::{AskArguments, AskQuestion, LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use crate::learning::{TrainArguments, TrainPeopleArguments, TrainWhat};
-pub use crate::reports::ReportArguments;
+pub use crate::reports::{ExplainArguments, ReportArguments};
 pub use arguments::{Arguments, Command};
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
@@ -62,7 +61,6 @@ pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
-pub use explain::ExplainArguments;
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
 pub use manual::ManualArguments;
@@ -87,7 +85,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => recordings::blackbox(&arguments),
         Some(Command::Report(arguments)) => reports::run(&arguments),
-        Some(Command::Explain(arguments)) => explain::run(&arguments),
+        Some(Command::Explain(arguments)) => crate::reports::explain(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]

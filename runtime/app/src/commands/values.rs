@@ -30,15 +30,6 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     some.ok_or_else(|| "give seconds, more than 0".to_owned())
 }
 
-/// A moment of a recording, seconds of the robot's clock: not before 0.
-///
-/// # Errors
-/// Anything else, in words.
-pub(super) fn moment_s(text: &str) -> Result<f64, String> {
-    let some = text.parse::<f64>().ok().filter(|seconds| *seconds >= 0.0 && *seconds < 1.0e9);
-    some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
-}
-
 /// The side of a square that is explored: 5 to 150 m.
 ///
 /// # Errors

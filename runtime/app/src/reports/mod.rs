@@ -1,5 +1,7 @@
-//! Recordings as pages for people: `floorguard report`.
+//! Recordings as pages for people: `floorguard report`, `floorguard explain`.
 
+mod explain;
 mod report;
 
-pub use report::{ReportArguments, language, run};
+pub use explain::{ExplainArguments, run as explain};
+pub use report::{ReportArguments, run};

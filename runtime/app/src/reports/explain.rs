@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::exit::BadInput;
-use super::values::moment_s;
+use super::report::language;
 use crate::recordings::say_findings;
-use crate::reports::language;
+use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::{must_be_a_file, unpacked};
 use floorguard_operator::incident::{Gather, Incident, Snapshot, page};
 use floorguard_operator::words::Language;
@@ -136,4 +135,13 @@ fn repetition(outcome: &ReplayOutcome, moment: Option<&Snapshot>, language: Lang
             format!("{begin}; {}", language.say(words))
         }
     }
+}
+
+/// A moment of a recording, seconds of the robot's clock: not before 0.
+///
+/// # Errors
+/// Anything else, in words.
+fn moment_s(text: &str) -> Result<f64, String> {
+    let some = text.parse::<f64>().ok().filter(|seconds| *seconds >= 0.0 && *seconds < 1.0e9);
+    some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
 }
