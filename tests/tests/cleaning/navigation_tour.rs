@@ -16,7 +16,7 @@ fn tour(places: &[Pose2], seconds: u64) -> (Observation, NavigationReport) {
 }
 
 #[test]
-fn robot_looks_from_every_place() {
+fn robot_observes_from_every_place() {
     let places = [Pose2::new(5.0, 0.0, 0.0), Pose2::new(9.0, 3.0, 1.5), Pose2::new(6.0, 7.0, 3.0)];
     let (seen, drive) = tour(&places, 180);
     assert_eq!(seen.verdict.verdict, Outcome::Good, "{} {drive:#?}", seen.verdict.reason);

@@ -22,8 +22,8 @@ pub const CELL_M: f32 = 0.0735;
 /// The middle of the window lies this far ahead of the robot's origin, metres: more room ahead than behind.
 const AHEAD_M: f32 = 1.35;
 /// What the lidar met is kept when it meets it again in one of the next two spans of this length, microseconds: three sweeps each.
-/// Noise and the legs of a person who walks by do not stay; a level surface, which one ring crosses and the next one 0.4 m of the
-/// robot's way later, does.
+/// Noise and the legs of a person who walks by do not stay; a level surface, which one ring crosses and the next one after the
+/// robot has gone 0.4 m, does.
 const AGREE_US: u64 = 300_000;
 /// Between two measurements of the wheels; what takes longer is a lost source, seconds.
 const STEP_MAX_S: f32 = 0.1;

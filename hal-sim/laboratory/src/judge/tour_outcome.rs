@@ -76,13 +76,13 @@ impl TourJudge {
     }
 
     /// The end, beside what the robot says.
-    pub(super) fn judge(&self, said: TourProgress) -> TourReport {
+    pub(super) fn judge(&self, reported: TourProgress) -> TourReport {
         let stood_at = self.places.iter().filter(|(_, longest_s)| *longest_s >= LOOK_S).count() as u32;
         TourReport {
             places: self.places.len() as u32,
             stood_at,
-            claimed: said.seen_from,
-            left_out: said.left_out,
+            claimed: reported.seen_from,
+            left_out: reported.left_out,
         }
     }
 }
@@ -98,8 +98,8 @@ mod tests {
         (0..300).for_each(|step| judge.observe(Pose2::new(0.01 * step as f32, 0.0, 0.0), None));
         assert_eq!(judge.judge(TourProgress::default()).stood_at, 0);
         (0..250).for_each(|_| judge.observe(Pose2::new(3.1, 0.0, 0.1), Some(0.01)));
-        let said = TourProgress { places: 2, seen_from: 2, left_out: 0 };
-        let report = judge.judge(said);
+        let reported = TourProgress { places: 2, seen_from: 2, left_out: 0 };
+        let report = judge.judge(reported);
         assert_eq!((report.stood_at, report.claimed, report.is_whole()), (1, 2, false));
         assert!(report.shortfall().unwrap().contains("says that it looked from 2 places, and stood at 1"));
         assert!(TourJudge::of(&places[..1], (0.3, 0.2)).is_none());

@@ -310,7 +310,7 @@ impl Navigator {
         let pose = self.senses.pose();
         self.maps.stand_on(&self.model.outline, pose);
         self.choose_goal(pose, now_s);
-        if self.looks_around(pose, now_s) {
+        if self.observe_here(pose, now_s) {
             return Twist2::ZERO;
         }
         if self.has_arrived(pose) || self.phase.stands() {

@@ -51,7 +51,7 @@ impl Tour {
 
 impl Navigator {
     /// True while the robot stands at a place of a tour and looks. After that the next place becomes the goal.
-    pub(super) fn looks_around(&mut self, pose: Pose2, now_s: f32) -> bool {
+    pub(super) fn observe_here(&mut self, pose: Pose2, now_s: f32) -> bool {
         let is_there = self.is_at_goal(pose) && is_standing(self.senses.motion().twist);
         let Some(tour) = &mut self.tour else { return false };
         if !is_there {
