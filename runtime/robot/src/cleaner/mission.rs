@@ -23,9 +23,11 @@ use super::areas::AreaKind;
 use super::body::Body;
 use super::ground::Ground;
 use super::obstacles::Obstacles;
-use super::path_finder::{ARC_M, HASTE, PathFinder, STEP_M};
+use super::pace::{among_people, pace_of};
+use super::path_finder::PathFinder;
 use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{LaneCount, MissionPhase, MissionWatch};
+use super::refused::RefusedMotion;
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
 use super::targets::VISITS_MAX;
@@ -47,6 +49,8 @@ const SAVE_S: f32 = 1.0;
 const ROLLED_ON: PoseDeviation = PoseDeviation { position_m: 0.35, heading_rad: 0.15 };
 /// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
+/// Held for this long on its way back, the robot goes back straight: only so the guard lets it leave, seconds.
+const STRAIGHT_S: f32 = 0.3;
 /// An object on the floor this near may be what holds the robot, metres from its rear axle.
 const OBSTACLE_HOLDS_M: f32 = 1.6;
 
@@ -59,34 +63,10 @@ pub(super) struct ScannerMount {
     pub(super) in_base: Pose2,
 }
 
-/// Cost of a path among people: the guard lets the robot go more slowly there, and its front wheel no faster than in
-/// the slowest fields while it turns on the spot.
-fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
-    let slow_mps = robot.thresholds.warning_speed_mps;
-    Pace {
-        speed_mps: pace.speed_mps.min(2.0 * slow_mps),
-        turn_radps: pace.turn_radps.min(slow_mps / robot.geometry.wheelbase_m),
-        ..pace
-    }
-}
-
 impl ScannerMount {
     fn of(robot: &RobotConfiguration) -> Self {
         let mounting = robot.scanner.mounting;
         Self { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) }
-    }
-}
-
-/// How fast the mission drives: carefully, whatever the robot may do.
-fn pace_of(robot: &RobotConfiguration) -> Pace {
-    Pace {
-        speed_mps: robot.route_limits.speed_mps.min(0.7),
-        turn_radps: robot.route_limits.turn_radps,
-        reverse_mps: robot.limits.reverse_mps.min(0.2),
-        change_s: 1.2,
-        step_m: STEP_M,
-        arc_m: ARC_M,
-        haste: HASTE,
     }
 }
 
@@ -176,6 +156,8 @@ pub struct Cleaner {
     pub(super) requested: Twist2,
     pub(super) held_s: f32,
     pub(super) held_at: Option<(Point2, f32)>,
+    pub(super) held_by: Option<Cause>,
+    pub(super) refused: RefusedMotion,
     pub(super) last_s: f32,
     pub(super) next_report_s: f32,
     pub(super) save_s: f32,
@@ -242,6 +224,8 @@ impl Cleaner {
             requested: Twist2::ZERO,
             held_s: 0.0,
             held_at: None,
+            held_by: None,
+            refused: RefusedMotion::default(),
             last_s: 0.0,
             next_report_s: 0.0,
             save_s: 0.0,
@@ -288,6 +272,7 @@ impl Cleaner {
         let obstacle_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), OBSTACLE_HOLDS_M);
         if cause.is_none_or(|cause| on_path.contains(&cause)) || obstacle_lies() {
             self.held_s += lasted_s;
+            self.held_by = cause;
         }
     }
 
@@ -314,12 +299,21 @@ impl Cleaner {
                 return Twist2::ZERO;
             }
             match self.track.follow(pose, &self.pace) {
-                FollowState::Drive(twist) => return twist,
+                FollowState::Drive(twist) => return self.permitted_way(twist),
                 FollowState::Arrived => self.arrive(),
                 FollowState::Lost => self.track = Track::default(),
             }
         }
         Twist2::ZERO
+    }
+
+    /// From what is in its fields the guard lets a robot leave straight only.
+    fn permitted_way(&self, twist: Twist2) -> Twist2 {
+        if twist.linear_mps < 0.0 && self.held_s > STRAIGHT_S {
+            Twist2 { angular_radps: 0.0, ..twist }
+        } else {
+            twist
+        }
     }
 
     /// In an area where the robot goes slowly the same curve, slowly.

@@ -74,6 +74,8 @@ impl Cleaner {
     pub(super) fn go_round(&mut self, pose: Pose2, now_s: f32) {
         self.detours += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
+        let gear = self.track.rest().first().map(|at| at.gear);
+        self.refused.note(self.held_by, (gear, here), now_s);
         let again = self.held_at.filter(|(before, _)| before.distance(here) < SAME_PLACE_M);
         let (_, since_s) = *self.held_at.insert(again.unwrap_or((here, now_s)));
         let Some(target) = self.target else {

@@ -134,7 +134,10 @@ impl Cleaner {
             let past_m = pose.inverse().transform(spot.target).x_m - ground.brush.offset_m + PAST_M;
             spot.is_before(ground, pose) && around.is_clear_ahead(pose, past_m)
         };
-        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
+        let refused = self.refused;
+        let slowness = |pose: Pose2, gear: Gear| {
+            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
+        };
         self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 
@@ -145,7 +148,10 @@ impl Cleaner {
         (left_s, is_goal): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
     ) -> Option<Vec<Waypoint>> {
         let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
+        let refused = self.refused;
+        let slowness = |pose: Pose2, gear: Gear| {
+            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
+        };
         self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 }
