@@ -1,7 +1,9 @@
 //! The floor as this robot can use it: where it fits, which way round, and which cells its brush can pass over.
 
+use std::f32::consts::FRAC_PI_2;
+
 use floorguard_cleaning::Brush;
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::Gear;
 
@@ -15,6 +17,10 @@ use crate::site::Floor;
 const RIM_M: f32 = 0.08;
 /// Cells under the brush are found in steps of half a cell, metres.
 const FINE_M: f32 = 0.05;
+/// Headings of lanes: along the axes of the map, both ways.
+pub(super) const QUARTERS: usize = 4;
+/// A heading this near to one of these counts as it, radians: half a heading of the lattice.
+const HEADED_RAD: f32 = 0.2;
 
 /// The floor of a mission.
 pub struct Ground {
@@ -27,6 +33,8 @@ pub struct Ground {
     pub brush: Brush,
     /// Dirt expected before the mission, units a cell.
     pub expected: Vec<f32>,
+    /// For each quarter of a turn the cells where the rear axle can be with that heading without having backed.
+    headed: [Vec<bool>; QUARTERS],
 }
 
 impl Ground {
@@ -41,7 +49,8 @@ impl Ground {
         }
         floor.start = plan.start_pose();
         let expected = plan.expected_on(&floor.cells);
-        Ok(Self { floor, body, brush, expected })
+        let headed = std::array::from_fn(|_| Vec::new());
+        Ok(Self { floor, body, brush, expected, headed })
     }
 
     /// The mission answers for the areas that its plan names, if it names any.
@@ -59,12 +68,17 @@ impl Ground {
         let raster = self.floor.cells;
         let mut axle = vec![false; raster.cell_count()];
         let mut swept = vec![false; raster.cell_count()];
+        let mut headed: [Vec<bool>; QUARTERS] = std::array::from_fn(|_| vec![false; raster.cell_count()]);
         path_finder.reach(
             self.floor.start,
             |pose, gear| self.is_free(pose, gear),
             |pose| {
                 if let Some(cell) = raster.cell_at(Point2::new(pose.x_m, pose.y_m)) {
                     axle[cell] = true;
+                    let quarter = (pose.heading_rad / FRAC_PI_2).round();
+                    if (pose.heading_rad - quarter * FRAC_PI_2).abs() < HEADED_RAD {
+                        headed[(quarter as i32).rem_euclid(QUARTERS as i32) as usize][cell] = true;
+                    }
                 }
                 let next = pose.compose(Pose2::new(STEP_M, 0.0, 0.0));
                 if self.is_free(next, Gear::Ahead) {
@@ -77,6 +91,16 @@ impl Ground {
         };
         self.floor.reachable = (0..raster.cell_count()).map(|cell| swept[cell] && is_floor(cell)).collect();
         self.floor.passable = axle;
+        self.headed = headed;
+    }
+
+    /// The rear axle can be there, or in a cell beside it, heading along an axis of the map, without having backed.
+    pub(super) fn is_headed(&self, place: Point2, quarter: usize) -> bool {
+        let raster = &self.floor.cells;
+        let GridCoordinates { column, row } = raster.coordinates_of(place);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let cells = around.filter_map(|(dx, dy)| raster.index(column + dx, row + dy));
+        self.headed.get(quarter).is_some_and(|headed| cells.into_iter().any(|cell| headed.get(cell) == Some(&true)))
     }
 
     /// The robot fits there, as far as the map shows.
@@ -91,7 +115,7 @@ impl Ground {
     }
 
     /// Cells over which the whole brush passes while the robot goes straight on by `path_m`.
-    fn under_brush(&self, pose: Pose2, path_m: f32, mut cell: impl FnMut(usize)) {
+    pub(super) fn under_brush(&self, pose: Pose2, path_m: f32, mut cell: impl FnMut(usize)) {
         let reach_m = self.lane_m();
         let count = |length_m: f32| (length_m / FINE_M).floor() as i32;
         for ahead in 0..=count(path_m) {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, PoseDeviation, VisitPlan};
+use floorguard_cleaning::{CleanRule, Planner, PoseDeviation, VisitPlan};
 use floorguard_guard::{Cause, Decision};
 use floorguard_host::executor::PriorityLock;
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
@@ -22,18 +22,20 @@ use floorguard_types::time::Stamp;
 use super::areas::AreaKind;
 use super::body::Body;
 use super::ground::Ground;
+use super::lane_list::LaneList;
+use super::lane_plan::lanes_over;
 use super::obstacles::Obstacles;
 use super::pace::{among_people, pace_of};
 use super::path_finder::PathFinder;
 use super::plan::{MissionPlan, MissionStrategy};
-use super::progress::{LaneCount, MissionPhase, MissionWatch};
+use super::progress::{MissionPhase, MissionWatch};
 use super::refused::RefusedMotion;
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
 use super::targets::VISITS_MAX;
 use super::times::{TimeUse, Times, is_standing};
 use super::track::Track;
-use crate::site::{Localiser, RecentPoses, lanes, scrubber};
+use crate::site::{Localiser, RecentPoses, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
@@ -104,14 +106,10 @@ fn localiser_of(
 }
 
 /// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
-fn lanes_of(plan: &MissionPlan, ground: &Ground) -> Vec<LaneAttempt> {
-    let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
+fn lanes_of(plan: &MissionPlan, ground: &Ground) -> LaneList {
     match plan.strategy {
-        MissionStrategy::Systematic => {
-            let lanes = lanes(&ground.floor, scrubber::BRUSH.width_m, start);
-            lanes.into_iter().map(LaneAttempt::from).collect()
-        }
-        _ => Vec::new(),
+        MissionStrategy::Systematic => LaneList::new(lanes_over(ground)),
+        _ => LaneList::default(),
     }
 }
 
@@ -140,8 +138,7 @@ pub struct Cleaner {
     pub(super) pace: Pace,
     pub(super) scanner_mount: ScannerMount,
     pub(super) route: RouteFollower,
-    pub(super) lanes: LaneQueue<Vec<LaneAttempt>>,
-    pub(super) lane_count: LaneCount,
+    pub(super) lanes: LaneList,
     pub(super) poses: RecentPoses,
     pub(super) dirt: Option<DirtReading>,
     pub(super) began: Option<Stamp>,
@@ -210,8 +207,7 @@ impl Cleaner {
             pace: pace_of(robot),
             scanner_mount: ScannerMount::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
-            lane_count: LaneCount { planned: lanes.len() as u32, driven: 0 },
-            lanes: LaneQueue::new(lanes),
+            lanes,
             poses: RecentPoses::default(),
             dirt: None,
             began: None,

@@ -70,7 +70,7 @@ impl Cleaner {
             waited_s: self.times.lost_s(),
             times: self.times,
             detours: self.detours,
-            lanes: (self.plan.strategy == MissionStrategy::Systematic).then_some(self.lane_count),
+            lanes: (self.plan.strategy == MissionStrategy::Systematic).then(|| self.lanes.count()),
             expected_before: self.ground.expected.clone(),
             expected_now: map.iter().map(|dirt| dirt.expected_units).collect(),
             cells,

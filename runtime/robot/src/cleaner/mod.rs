@@ -4,6 +4,8 @@
 mod areas;
 mod body;
 mod ground;
+mod lane_list;
+mod lane_plan;
 mod mission;
 mod mission_report;
 mod obstacles;

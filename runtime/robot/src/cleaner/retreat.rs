@@ -107,6 +107,7 @@ impl Cleaner {
         self.detours += 1;
         self.near.is_leaving = true;
         self.target = None;
+        self.lanes.break_off(Point2::new(pose.x_m, pose.y_m), now_s);
         self.track = Track::new(path);
     }
 }

@@ -1,14 +1,15 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
-use floorguard_cleaning::{Lane, LaneAttempt, PlanCells};
+use floorguard_cleaning::{Lane, PlanCells};
 use floorguard_mapping::{GridCoordinates, NO_SLOT};
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::motion::{Gear, Waypoint};
 
 use super::mission::Cleaner;
-use super::path_finder::STEP_M;
+use super::path_finder::{STEP_M, Search};
 use super::plan::MissionStrategy;
 use super::progress::MissionPhase;
+use super::surroundings::Surroundings;
 use super::track::Track;
 use super::visits::CLUSTER_M;
 
@@ -30,11 +31,15 @@ const PASS_LEGS: usize = 1;
 const STAYS_S: f32 = 5.0;
 /// Cells of the tour that are tried before the robot waits.
 const TRIES: usize = 4;
+/// A lane may be entered so far before or behind its begin, and beside it, metres; and so far across it, radians.
+const ENTRY_M: f32 = 0.3;
+const BESIDE_M: f32 = 0.1;
+const ALONG_RAD: f32 = 0.2;
 
 impl Cleaner {
     pub(super) fn arrive(&mut self) {
         self.track = Track::default();
-        self.lane_count.driven += u32::from(self.plan.strategy == MissionStrategy::Systematic);
+        self.lanes.finish();
         if let Some(target) = self.target.take() {
             let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
             around.into_iter().for_each(|cell| self.passed[cell] = true);
@@ -79,7 +84,11 @@ impl Cleaner {
         let again = self.held_at.filter(|(before, _)| before.distance(here) < SAME_PLACE_M);
         let (_, since_s) = *self.held_at.insert(again.unwrap_or((here, now_s)));
         let Some(target) = self.target else {
-            self.track = Track::default();
+            // A lane is waited for a little: any other way costs two turns.
+            if self.plan.strategy != MissionStrategy::Systematic || now_s - since_s > STAYS_S {
+                self.held_at = None;
+                self.track = Track::default();
+            }
             return;
         };
         if now_s - since_s > STAYS_S {
@@ -119,11 +128,11 @@ impl Cleaner {
 
     /// Finds something to do; false: wait, or the mission is over.
     pub(super) fn choose(&mut self, pose: Pose2, now_s: f32) -> bool {
-        if self.plan.strategy == MissionStrategy::Systematic {
-            return self.next_lane(pose, now_s);
-        }
         if now_s < self.try_s {
             return false;
+        }
+        if self.plan.strategy == MissionStrategy::Systematic {
+            return self.next_lane(pose, now_s);
         }
         // What the brush has just passed over is no target any more.
         self.replan(pose, now_s);
@@ -163,33 +172,59 @@ impl Cleaner {
         })
     }
 
-    /// The next lane that can be got to; one that nobody can get to is left out.
+    /// The next lane that can be got to; one that nobody can get to now is tried again later.
     pub(super) fn next_lane(&mut self, pose: Pose2, now_s: f32) -> bool {
+        let here = Point2::new(pose.x_m, pose.y_m);
+        // Whatever ended the path before its end, as a person who stood on it.
+        self.lanes.break_off(here, now_s);
         for _ in 0..TRIES {
-            let Some(LaneAttempt { lane: Lane { from, to }, .. }) = self.lanes.advance() else {
-                self.phase = MissionPhase::Done;
-                return false;
-            };
-            let heading_rad = libm::atan2f(to.y_m - from.y_m, to.x_m - from.x_m);
-            let start = |pose: Pose2| {
-                let is_there = Point2::new(pose.x_m, pose.y_m).distance(from) < 0.15;
-                is_there && wrap_angle(pose.heading_rad - heading_rad).abs() < 0.2
-            };
-            let speed_mps = self.pace.speed_mps;
-            let left_s = move |pose: Pose2| Some(Point2::new(pose.x_m, pose.y_m).distance(from) / speed_mps);
-            let Some(mut path) = self.search((pose, now_s), (left_s, start)) else { continue };
-            let steps = (from.distance(to) / STEP_M).floor() as i32;
-            for step in 1..=steps {
-                let share = step as f32 * STEP_M;
-                let next = Pose2::new(from.x_m, from.y_m, heading_rad).compose(Pose2::new(share, 0.0, 0.0));
-                if !self.ground.is_free(next, Gear::Ahead) {
-                    break;
-                }
-                path.push(Waypoint { pose_in_map: next, gear: Gear::Ahead });
+            let Some(lane) = self.lanes.advance(pose, now_s) else { break };
+            if let Some(path) = self.path_along(lane, (pose, now_s)) {
+                self.near.is_leaving = false;
+                self.track = Track::new(path);
+                return true;
             }
-            self.track = Track::new(path);
-            return true;
+            self.lanes.break_off(here, now_s);
+        }
+        self.try_s = now_s + TRY_AGAIN_S;
+        if self.lanes.is_over() {
+            self.phase = MissionPhase::Done;
         }
         false
+    }
+
+    /// The path to the begin of a lane, and along it.
+    fn path_along(&mut self, Lane { from, to }: Lane, (pose, now_s): (Pose2, f32)) -> Option<Vec<Waypoint>> {
+        let heading_rad = libm::atan2f(to.y_m - from.y_m, to.x_m - from.x_m);
+        let on_lane = Pose2::new(from.x_m, from.y_m, heading_rad);
+        let length_m = from.distance(to);
+        let cell = self.ground.floor.nearest_passable(from)?;
+        let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.path_finder.pace().speed_mps);
+        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose);
+        guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
+        let left_s = |pose: Pose2| {
+            let axle = Point2::new(pose.x_m, pose.y_m);
+            let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
+            let path_m = units.map_or(1.5 * axle.distance(from), |units| units as f32 / 290.0);
+            let turn_rad = wrap_angle(pose.heading_rad - heading_rad).abs();
+            Some(((path_m - 0.5).max(0.0) / speed_mps).max(turn_rad))
+        };
+        let is_goal = |pose: Pose2| {
+            let in_lane = on_lane.inverse().compose(pose);
+            let along_m = -ENTRY_M..=ENTRY_M.min(length_m);
+            along_m.contains(&in_lane.x_m) && in_lane.y_m.abs() < BESIDE_M && in_lane.heading_rad.abs() < ALONG_RAD
+        };
+        let refused = self.refused;
+        let slowness = |pose: Pose2, gear: Gear| {
+            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
+        };
+        let mut path = self.path_finder.find(pose, &Search { slowness, left_s, is_goal })?;
+        let entry_m = path.last().map_or(0.0, |last| on_lane.inverse().compose(last.pose_in_map).x_m);
+        let steps = ((length_m - entry_m) / STEP_M).ceil().max(1.0) as u32;
+        path.extend((1..=steps).map(|step| {
+            let along_m = (entry_m + step as f32 * STEP_M).min(length_m.max(entry_m));
+            Waypoint { pose_in_map: on_lane.compose(Pose2::new(along_m, 0.0, 0.0)), gear: Gear::Ahead }
+        }));
+        Some(path)
     }
 }
