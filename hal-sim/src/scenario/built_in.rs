@@ -44,4 +44,31 @@ mod tests {
         }
         assert!(matches!(Scenario::named("moon"), Err(ScenarioError::Unknown(..))));
     }
+
+    /// A route through a shelf holds the robot there for ever, and rightly. The furniture of these scenarios stands along the axes.
+    #[test]
+    fn no_route_leads_through_furniture() {
+        /// Half the width of the robot's body and a margin, metres.
+        const BESIDE_M: f32 = 0.6;
+        for name in Scenario::names() {
+            let scenario = Scenario::named(name).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let stops = &scenario.route.waypoints_m;
+            let again = stops.first().filter(|_| scenario.route.repeat);
+            let places: Vec<[f32; 2]> =
+                std::iter::once(&scenario.start.at_m).chain(stops).chain(again).copied().collect();
+            for (from, to) in places.iter().zip(places.iter().skip(1)) {
+                for step in 0..=200_u16 {
+                    let share = f32::from(step) / 200.0;
+                    let place = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+                    let gap_m = scenario.scene.furniture.iter().map(|item| {
+                        let [x_m, y_m] = [0, 1]
+                            .map(|axis| ((place[axis] - item.at_m[axis]).abs() - 0.5 * item.size_m[axis]).max(0.0));
+                        x_m.hypot(y_m)
+                    });
+                    let gap_m = gap_m.fold(f32::INFINITY, f32::min);
+                    assert!(gap_m > BESIDE_M, "{name}: {gap_m} m at {place:?}");
+                }
+            }
+        }
+    }
 }

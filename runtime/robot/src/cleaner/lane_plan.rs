@@ -137,3 +137,42 @@ fn runs(ground: &Ground, quarter: usize, across_m: f32) -> Vec<Run> {
     found.extend(open.map(|(_, run)| run));
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cleaner::body::Body;
+    use crate::cleaner::pace::{among_people, pace_of};
+    use crate::cleaner::path_finder::PathFinder;
+    use crate::cleaner::plan::MissionPlan;
+    use crate::site::scrubber;
+    use floorguard_configuration::{EXAMPLE, parse};
+
+    /// The supermarket: nearly all floor that the brush can get to, by lanes that lie on free floor.
+    #[test]
+    fn lanes_pass_over_reachable_floor() {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let mut ground = Ground::new(&MissionPlan::supermarket(), (Body::of(&robot), scrubber::BRUSH)).unwrap();
+        let mut path_finder = PathFinder::new(*ground.raster(), among_people(&robot, pace_of(&robot)));
+        ground.explore(&mut path_finder);
+        let lanes = lanes_over(&ground);
+        let mut passed = vec![false; ground.raster().cell_count()];
+        for lane in &lanes {
+            let heading_rad = libm::atan2f(lane.to.y_m - lane.from.y_m, lane.to.x_m - lane.from.x_m);
+            let begin = Pose2::new(lane.from.x_m, lane.from.y_m, heading_rad);
+            for step in 0..=(lane.from.distance(lane.to) / STEP_M) as u32 {
+                let pose = begin.compose(Pose2::new(step as f32 * STEP_M, 0.0, 0.0));
+                assert!(ground.is_free(pose, Gear::Ahead), "{lane:?} at {pose:?}");
+                ground.under_brush(pose, 0.0, |cell| passed[cell] = true);
+            }
+        }
+        let reachable = || (0..passed.len()).filter(|cell| ground.floor.reachable[*cell]);
+        let (all, swept) = (reachable().count(), reachable().filter(|cell| passed[*cell]).count());
+        let way_m: f32 = lanes.iter().map(|lane| lane.from.distance(lane.to)).sum();
+        let area_m2 = all as f32 * 0.01;
+        println!("{} lanes, {way_m} m over {area_m2} m²; {swept} of {all} cells", lanes.len());
+        assert!(swept as f32 > 0.95 * all as f32, "{swept} of {all}");
+        assert!(way_m < 2.0 * area_m2 / (2.0 * ground.lane_m()), "{way_m} m over {area_m2} m²");
+        assert!(lanes.len() < 150, "{}", lanes.len());
+    }
+}
