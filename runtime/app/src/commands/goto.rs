@@ -1,6 +1,7 @@
 //! `floorguard goto X Y YAW`: the robot on real devices drives to a place of its map, and the program ends there.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use floorguard_configuration::NavigationConfiguration;
@@ -43,12 +44,21 @@ pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
     let GotoArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
+    conclude(&*driven((file, outputs), Errand::Goal(goal))?, json)
+}
+
+/// Runs the robot on an errand of driving, and gives how far it came.
+///
+/// # Errors
+/// As `run`; and the drive never began.
+pub(super) fn driven(
+    (file, outputs): (PathBuf, RunOutputs),
+    errand: Errand,
+) -> anyhow::Result<Arc<NavigationProgress>> {
     let arguments = RunArguments { file, learn: None, map_here: MapHere::default(), outputs };
-    let drive = run::run_to(&arguments, Some(Errand::Goal(goal)))?;
-    match drive.and_then(|drive| drive.watch.get()) {
-        Some(progress) => conclude(&progress, json),
-        None => Err(NotFinished("the drive never began".to_owned()).into()),
-    }
+    let drive = run::run_to(&arguments, Some(errand))?;
+    let progress = drive.and_then(|drive| drive.watch.get());
+    progress.ok_or_else(|| NotFinished("the drive never began".to_owned()).into())
 }
 
 fn conclude(progress: &NavigationProgress, json: bool) -> anyhow::Result<()> {
@@ -84,8 +94,9 @@ pub(super) fn navigation_of(
             let section = section.ok_or_else(missing).map_err(refuse)?;
             NavigationPlan::of_configuration(section, folder, goal)
         }
-        Errand::Tour(places) => {
+        Errand::Tour(tour) => {
             let section = section.ok_or_else(missing).map_err(refuse)?;
+            let places = tour.of_robot(&configuration.robot.lidar.mounting);
             let first = places.first().copied().unwrap_or_default();
             let plan = NavigationPlan::of_configuration(section, folder, first);
             plan.map(|plan| plan.touring(places.get(1..).unwrap_or_default()))

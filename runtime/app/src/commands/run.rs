@@ -26,6 +26,7 @@ use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
 use super::ros2::{RosEnds, RosWay};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
+use super::tour::TourPlaces;
 use super::values::{panel_address, seconds};
 use crate::window::leave_window;
 use floorguard_configuration::{CommandConfiguration, HostedConfiguration, load};
@@ -120,8 +121,8 @@ fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<Wi
 pub(super) enum Errand {
     /// To drive there.
     Goal(Pose2),
-    /// To look from these places, one after another; at least one.
-    Tour(Vec<Pose2>),
+    /// To look from these places, one after another.
+    Tour(TourPlaces),
     /// To drive where somebody outside orders.
     Ordered,
     /// To map a square of this side around the start, metres.

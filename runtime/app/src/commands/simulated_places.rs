@@ -18,8 +18,7 @@ pub struct PlacesArguments {
     /// take. `[navigation]` of --robot says how.
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = goal, group = "driven", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io"])]
     pub navigate: Option<Pose2>,
-    /// Look from each place of this file, one after another: `x_m,y_m,heading_rad`, then a place a line. The run ends behind the
-    /// last one.
+    /// Look from each place of this file, one after another, as `tour` does. The run ends behind the last one.
     #[arg(long, value_name = "FILE.csv", group = "driven", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io"])]
     pub tour: Option<PathBuf>,
     /// With --navigate or --tour: drive with this planner, whatever [navigation] says.
@@ -42,7 +41,10 @@ impl PlacesArguments {
             plan.navigation_settings.uses_dwa = planner == DrivingPlanner::Dwa;
         }
         match (&self.tour, self.navigate) {
-            (Some(file), _) => plan.touring(&read_places(file)?),
+            (Some(file), _) => {
+                let places = read_places(file)?.of_robot(&plan.robot.lidar.mounting);
+                plan.touring(&places)
+            }
             (None, Some(goal)) => Ok(plan.navigating(goal)?),
             (None, None) => Ok(plan),
         }

@@ -3,15 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use floorguard_robot::navigator::{NavigationPhase, NavigationProgress};
+use floorguard_robot::navigator::{NavigationPhase, NavigationProgress, TourProgress};
+use floorguard_runtime::configuration::Mounting;
 use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished};
-use super::map_here::MapHere;
-use super::run::{self, Errand, RunArguments, RunOutputs};
+use super::goto::driven;
+use super::run::{Errand, RunOutputs};
 
-/// The first line of a tour, as `clean-map` writes it.
-const HEADER: &str = "x_m,y_m,heading_rad";
+/// The first line of a tour of the robot's own places.
+const OF_ROBOT: &str = "x_m,y_m,heading_rad";
+/// The first line of a tour of the lidar's places, as `clean-map` writes it.
+const OF_LIDAR: &str = "lidar_x_m,lidar_y_m,lidar_heading_rad";
 /// Places at most: as many sightings as the removal of people keeps.
 const PLACES_MAX: usize = 1_024;
 /// Beyond this a number is no place of a building, metres.
@@ -20,7 +23,8 @@ const FAR_M: f32 = 10_000.0;
 /// Where to look from.
 #[derive(Clone, Debug, Args)]
 pub struct TourArguments {
-    /// The places: a line `x_m,y_m,heading_rad`, then a place a line, of the robot in its map; `revisits.csv` of `clean-map`.
+    /// The places, in the map of [navigation]: a line `x_m,y_m,heading_rad`, then a place of the robot a line; or `revisits.csv` of
+    /// `clean-map`, which holds places of the lidar, if the trajectory that was cleaned by is in the same map.
     pub places: PathBuf,
     /// The configuration, with the map in [navigation].
     #[arg(default_value = "robot.toml")]
@@ -38,18 +42,15 @@ pub fn run(arguments: &TourArguments) -> anyhow::Result<()> {
     let places = read_places(&arguments.places)?;
     let TourArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
-    let arguments = RunArguments { file, learn: None, map_here: MapHere::default(), outputs };
-    let drive = run::run_to(&arguments, Some(Errand::Tour(places)))?;
-    match drive.and_then(|drive| drive.watch.get()) {
-        Some(progress) => conclude(&progress, json),
-        None => Err(NotFinished("the drive never began".to_owned()).into()),
-    }
+    conclude(&*driven((file, outputs), Errand::Tour(places))?, json)
 }
 
 fn conclude(progress: &NavigationProgress, json: bool) -> anyhow::Result<()> {
-    let tour = progress.tour.unwrap_or_default();
-    let is_single = progress.tour.is_none();
-    let is_whole = progress.phase == NavigationPhase::Reached && (is_single || tour.seen_from == tour.places);
+    let is_reached = progress.phase == NavigationPhase::Reached;
+    // A tour of one place is a goal.
+    let single = TourProgress { places: 1, seen_from: u32::from(is_reached), left_out: 0 };
+    let tour = progress.tour.unwrap_or(single);
+    let is_whole = is_reached && tour.seen_from == tour.places;
     if json {
         let line = serde_json::json!({
             "type": "tour", "whole": is_whole, "phase": progress.phase.name(), "reason": progress.words,
@@ -65,17 +66,35 @@ fn conclude(progress: &NavigationProgress, json: bool) -> anyhow::Result<()> {
     Err(NotFinished(format!("the tour is not finished: {}", progress.words)).into())
 }
 
+/// Places to look from, as a file gives them; at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TourPlaces {
+    places_in_map: Vec<Pose2>,
+    are_of_lidar: bool,
+}
+
+impl TourPlaces {
+    /// Where the robot is when it looks from there, map frame.
+    pub(super) fn of_robot(&self, lidar: &Mounting) -> Vec<Pose2> {
+        let lidar_in_base = Pose2::new(lidar.position.x_m, lidar.position.y_m, lidar.yaw_rad);
+        let offset = if self.are_of_lidar { lidar_in_base.inverse() } else { Pose2::default() };
+        self.places_in_map.iter().map(|place| place.compose(offset)).collect()
+    }
+}
+
 /// The places of a file.
 ///
 /// # Errors
 /// It cannot be read, holds no place or too many, or a line is no place: its number and what is expected.
-pub(super) fn read_places(path: &Path) -> Result<Vec<Pose2>, BadInput> {
+pub(super) fn read_places(path: &Path) -> Result<TourPlaces, BadInput> {
     let bad = |line: usize, what: String| BadInput(format!("{}: line {line}: {what}", path.display()));
     let text =
         std::fs::read_to_string(path).map_err(|error| BadInput(format!("{}: {error}", path.display())))?;
     let mut lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
-    let Some((_, HEADER)) = lines.next() else {
-        return Err(bad(1, format!("a tour begins with the line `{HEADER}`")));
+    let are_of_lidar = match lines.next() {
+        Some((_, OF_ROBOT)) => false,
+        Some((_, OF_LIDAR)) => true,
+        _ => return Err(bad(1, format!("a tour begins with the line `{OF_ROBOT}` or `{OF_LIDAR}`"))),
     };
     let mut places = Vec::new();
     for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
@@ -89,7 +108,7 @@ pub(super) fn read_places(path: &Path) -> Result<Vec<Pose2>, BadInput> {
     if places.is_empty() {
         return Err(bad(2, "there is no place to look from".to_owned()));
     }
-    Ok(places)
+    Ok(TourPlaces { places_in_map: places, are_of_lidar })
 }
 
 fn place(line: &str) -> Option<Pose2> {
@@ -106,6 +125,8 @@ fn place(line: &str) -> Option<Pose2> {
 
 #[cfg(test)]
 mod tests {
+    use floorguard_types::geometry::Point3;
+
     use super::*;
 
     #[test]
@@ -117,9 +138,13 @@ mod tests {
             read_places(&file).map_err(|error| error.to_string())
         };
         let places = read("x_m,y_m,heading_rad\n1.0,-2.5,0.5\n\n3, 4, 0\n").unwrap();
-        assert_eq!(places, [Pose2::new(1.0, -2.5, 0.5), Pose2::new(3.0, 4.0, 0.0)]);
+        assert_eq!(places.places_in_map, [Pose2::new(1.0, -2.5, 0.5), Pose2::new(3.0, 4.0, 0.0)]);
+        let ahead = Mounting { position: Point3::new(0.5, 0.1, 0.6), ..Mounting::default() };
+        assert_eq!(places.of_robot(&ahead), places.places_in_map, "they are the robot's");
+        let of_lidar = read("lidar_x_m,lidar_y_m,lidar_heading_rad\n3.0,4.0,0\n").unwrap().of_robot(&ahead);
+        assert!((of_lidar[0].x_m - 2.5).abs() < 1e-6 && (of_lidar[0].y_m - 3.9).abs() < 1e-6, "{of_lidar:?}");
         for (text, what) in [
-            ("1,2,3\n", "line 1: a tour begins with the line `x_m,y_m,heading_rad`"),
+            ("1,2,3\n", "line 1: a tour begins with the line `x_m,y_m,heading_rad` or"),
             ("x_m,y_m,heading_rad\n", "there is no place to look from"),
             ("x_m,y_m,heading_rad\n1,2,3\n1,nan,0\n", "line 3: `1,nan,0` is no place"),
             ("x_m,y_m,heading_rad\n1,2\n", "line 2"),

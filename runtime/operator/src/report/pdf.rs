@@ -1,7 +1,7 @@
 //! The proof of cleaning as a PDF file, without a browser, in five languages.
 
 use super::history::History;
-use super::proof::{Cell, Cleaning, Proof, cells, day_and_time};
+use super::proof::{Cell, Cleaning, Proof, cells};
 use super::proof_section::{claim, rest};
 use super::sheet::Sheet;
 use crate::words::Language;
@@ -16,17 +16,8 @@ const HELD_MAX: usize = 40;
 #[must_use]
 pub fn pdf(proof: &Proof, history: &History, language: Language) -> Vec<u8> {
     let mut sheet = Sheet::new(language.say("Proof of cleaning"));
-    let date = day_and_time(&proof.date);
-    let facts = [
-        ("date", date.as_str()),
-        ("robot", proof.robot.as_str()),
-        ("operator", proof.operator.as_str()),
-        ("software", proof.software.as_str()),
-        ("map", proof.map.as_str()),
-        ("recording", proof.recording.as_str()),
-    ];
-    for (name, text) in facts.into_iter().filter(|(_, text)| !text.is_empty()) {
-        sheet.row(&[(0.0, language.say(name)), (90.0, text)], false);
+    for (name, text) in proof.facts() {
+        sheet.row(&[(0.0, language.say(name)), (90.0, &text)], false);
     }
     let number = |value: f64, digits: usize| language.number(value, digits);
     let (lasted, driven) = (number(proof.duration_s, 0), number(proof.driven_m, 1));

@@ -228,6 +228,22 @@ pub fn cells(history: &History) -> Vec<Cell> {
         .collect()
 }
 
+impl Proof {
+    /// Who, when, with what: names from the table of words, and what is known of each.
+    #[must_use]
+    pub fn facts(&self) -> Vec<(&'static str, String)> {
+        let all = [
+            ("date", day_and_time(&self.date)),
+            ("robot", self.robot.clone()),
+            ("operator", self.operator.clone()),
+            ("software", self.software.clone()),
+            ("map", self.map.clone()),
+            ("recording", self.recording.clone()),
+        ];
+        all.into_iter().filter(|(_, text)| !text.is_empty()).collect()
+    }
+}
+
 /// The first facts of a page that is made right after its run: date, software, and the robot's fingerprint if there is one.
 #[must_use]
 pub fn made_now(robot_toml: Option<&str>) -> Vec<(&'static str, String)> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::proof::{Cleaning, NotClaimed, Proof, day_and_time};
+use super::proof::{Cleaning, NotClaimed, Proof};
 use super::style::escaped;
 use crate::words::Language;
 
@@ -10,18 +10,9 @@ use crate::words::Language;
 #[must_use]
 pub fn section(proof: &Proof, language: Language) -> String {
     let mut html = String::new();
-    let date = day_and_time(&proof.date);
-    let rows = [
-        ("date", date.as_str()),
-        ("robot", proof.robot.as_str()),
-        ("operator", proof.operator.as_str()),
-        ("software", proof.software.as_str()),
-        ("map", proof.map.as_str()),
-        ("recording", proof.recording.as_str()),
-    ];
     html.push_str("<dl class=facts>");
-    for (name, text) in rows.into_iter().filter(|(_, text)| !text.is_empty()) {
-        let _ = write!(html, "<dt>{}<dd>{}", language.say(name), escaped(text));
+    for (name, text) in proof.facts() {
+        let _ = write!(html, "<dt>{}<dd>{}", language.say(name), escaped(&text));
     }
     html.push_str("</dl>");
     if let Some(cleaning) = &proof.cleaning {

@@ -5,9 +5,6 @@ use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::path_finder::{ARC_M, HASTE, STEP_M};
 
-/// In turns beside a rear that no sensor has seen the guard lets the robot go so fast, m/s (FG-REQ-064).
-const UNKNOWN_REAR_MPS: f32 = 0.15;
-
 /// How fast the mission drives: carefully, whatever the robot may do.
 pub(super) fn pace_of(robot: &RobotConfiguration) -> Pace {
     Pace {
@@ -23,10 +20,10 @@ pub(super) fn pace_of(robot: &RobotConfiguration) -> Pace {
 
 /// Cost of a path among people: the guard lets the robot go more slowly there, and its front wheel no faster than in
 /// the slowest fields while it turns on the spot. What is gone back must be gone ahead again before the guard lets the
-/// robot turn at more than [`UNKNOWN_REAR_MPS`].
+/// robot turn faster than beside a rear that no sensor has seen (FG-REQ-064).
 pub(super) fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
     let slow_mps = robot.thresholds.warning_speed_mps;
-    let back_s_per_m = 1.0 / pace.reverse_mps.max(0.05) + 1.0 / UNKNOWN_REAR_MPS;
+    let back_s_per_m = 1.0 / pace.reverse_mps.max(0.05) + 1.0 / robot.unseen.unknown_rear_mps.max(0.05);
     Pace {
         speed_mps: pace.speed_mps.min(2.0 * slow_mps),
         turn_radps: pace.turn_radps.min(slow_mps / robot.geometry.wheelbase_m),

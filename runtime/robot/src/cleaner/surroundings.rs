@@ -8,6 +8,7 @@ use floorguard_types::motion::Gear;
 use super::body::{DISCS, FootprintDiscs};
 use super::ground::Ground;
 use super::obstacles::Obstacles;
+use super::refused::RefusedMotion;
 
 /// Within this distance of where it stands the robot may stay as near to objects as it is, metres.
 const AROUND_M: f32 = 0.9;
@@ -27,6 +28,8 @@ pub struct Surroundings<'a> {
     start: Pose2,
     least_ahead_m: [f32; DISCS],
     least_back_m: [f32; DISCS],
+    /// What the guard has refused, and when it is now, seconds.
+    refused: (RefusedMotion, f32),
 }
 
 impl<'a> Surroundings<'a> {
@@ -34,14 +37,25 @@ impl<'a> Surroundings<'a> {
     pub fn new(ground: &'a Ground, (obstacles, now_s): (&Obstacles, f32), start: Pose2) -> Self {
         let reach_m = ground.body.ahead.radius_m.max(ground.body.back.radius_m) + 0.1;
         let gaps_m = gaps(ground.raster(), &obstacles.places(now_s), reach_m);
-        let mut here =
-            Self { ground, gaps_m, start, least_ahead_m: [0.0; DISCS], least_back_m: [0.0; DISCS] };
+        let mut here = Self {
+            ground,
+            gaps_m,
+            start,
+            least_ahead_m: [0.0; DISCS],
+            least_back_m: [0.0; DISCS],
+            refused: (RefusedMotion::default(), now_s),
+        };
         let least = |discs: &FootprintDiscs| {
             discs.places(start).map(|place| (here.clearance_m(place) - RASTER_M).clamp(0.0, discs.radius_m))
         };
         let (ahead, back) = (least(&ground.body.ahead), least(&ground.body.back));
         (here.least_ahead_m, here.least_back_m) = (ahead, back);
         here
+    }
+
+    /// The same, where the guard has refused a motion.
+    pub fn after(self, refused: RefusedMotion) -> Self {
+        Self { refused: (refused, self.refused.1), ..self }
     }
 
     /// From a place to the nearest object, metres.
@@ -67,7 +81,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Factor of the time against open floor the robot takes there; `None`: it may not be there. With something in its
-    /// warning zone the guard lets it go slowly only.
+    /// warning zone the guard lets it go slowly only, and what it has just refused is the last thing to try again.
     pub fn slowness(&self, pose: Pose2, gear: Gear) -> Option<f32> {
         if !self.is_free(pose, gear) {
             return None;
@@ -76,7 +90,8 @@ impl<'a> Surroundings<'a> {
             self.clearance_m(pose.transform(Point2::new(ahead_m, 0.0))) < least_m
         };
         let is_slow = gear == Gear::Ahead && WARNING_M.iter().any(|(ahead, least)| is_tight(*ahead, *least));
-        Some(if is_slow { SLOW } else { 1.0 })
+        let (refused, now_s) = self.refused;
+        Some(if is_slow { SLOW } else { 1.0 } * refused.slowness(pose, gear, now_s))
     }
 
     /// The robot can go straight on from a pose by so much.

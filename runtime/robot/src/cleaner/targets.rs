@@ -11,7 +11,7 @@ use super::plan::MissionStrategy;
 use super::progress::MissionPhase;
 use super::surroundings::Surroundings;
 use super::track::Track;
-use super::visits::CLUSTER_M;
+use super::visits::{CLUSTER_M, way_left_m};
 
 /// A cell that nobody can get to now is tried again after this, seconds.
 const POSTPONED_S: f32 = 12.0;
@@ -200,14 +200,12 @@ impl Cleaner {
         let length_m = from.distance(to);
         let cell = self.ground.floor.nearest_passable(from)?;
         let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.path_finder.pace().speed_mps);
-        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose);
+        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose).after(self.refused);
         guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
         let left_s = |pose: Pose2| {
-            let axle = Point2::new(pose.x_m, pose.y_m);
-            let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
-            let path_m = units.map_or(1.5 * axle.distance(from), |units| units as f32 / 290.0);
+            let way_m = way_left_m((ground, guess), Point2::new(pose.x_m, pose.y_m), from);
             let turn_rad = wrap_angle(pose.heading_rad - heading_rad).abs();
-            Some(((path_m - 0.5).max(0.0) / speed_mps).max(turn_rad))
+            Some((way_m / speed_mps).max(turn_rad))
         };
         let is_goal = |pose: Pose2| {
             let in_lane = on_lane.inverse().compose(pose);
@@ -216,10 +214,7 @@ impl Cleaner {
                 && in_lane.y_m.abs() < BESIDE_M
                 && in_lane.heading_rad.abs() < ALONG_RAD
         };
-        let refused = self.refused;
-        let slowness = |pose: Pose2, gear: Gear| {
-            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
-        };
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
         let mut path = self.path_finder.find(pose, &Search { slowness, left_s, is_goal })?;
         let entry_m = path.last().map_or(0.0, |last| on_lane.inverse().compose(last.pose_in_map).x_m);
         let steps = ((length_m - entry_m) / STEP_M).ceil().max(1.0) as u32;

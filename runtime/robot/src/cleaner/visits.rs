@@ -3,6 +3,7 @@
 
 use floorguard_mapping::GridCoordinates;
 use floorguard_navigation::global::HEADINGS;
+use floorguard_navigation::{PathSearch, STRAIGHT, SearchCell};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -16,6 +17,8 @@ use super::track::Track;
 pub(super) const CLUSTER_M: f32 = 0.5;
 /// A pass goes on over what lies before the brush for at most this, metres.
 const AHEAD_M: f32 = 1.3;
+/// So much of a way over cells may be a detour round their corners, metres.
+const SPARE_M: f32 = 0.5;
 /// The brush goes on behind a cell by this, metres.
 const PAST_M: f32 = 0.15;
 /// Shares of what the best straight pass over the dirt would take that a pass is to take: what it leaves costs a second one.
@@ -43,6 +46,19 @@ impl Spot {
             |place: &Point2| ground.is_before(pose, *place, (self.run_up_m, AHEAD_M), ground.lane_m());
         is_taken(&self.target) && self.cells.iter().filter(|place| is_taken(place)).count() >= self.needed
     }
+}
+
+/// A little less than the way that is left from a rear axle to the target of a search over the raster, metres; without a way in the
+/// raster half as much again as the straight line.
+pub(super) fn way_left_m(
+    (ground, search): (&Ground, &PathSearch<Vec<SearchCell>>),
+    axle: Point2,
+    target: Point2,
+) -> f32 {
+    let cells_m = ground.raster().resolution_m() / STRAIGHT as f32;
+    let units = ground.raster().cell_at(axle).and_then(|cell| search.distance(cell));
+    let path_m = units.map_or(1.5 * axle.distance(target), |units| units as f32 * cells_m);
+    (path_m - SPARE_M).max(0.0)
 }
 
 impl Cleaner {
@@ -122,22 +138,16 @@ impl Cleaner {
         spot: &Spot,
     ) -> Option<Vec<Waypoint>> {
         let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.path_finder.pace().speed_mps);
-        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose);
+        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose).after(self.refused);
         guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
         let left_s = |pose: Pose2| {
-            let axle = Point2::new(pose.x_m, pose.y_m);
-            let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
-            let path_m = units.map_or(1.5 * axle.distance(spot.target), |units| units as f32 / 290.0);
-            Some((path_m - 0.5).max(0.0) / speed_mps)
+            Some(way_left_m((ground, guess), Point2::new(pose.x_m, pose.y_m), spot.target) / speed_mps)
         };
         let is_goal = |pose: Pose2| {
             let past_m = pose.inverse().transform(spot.target).x_m - ground.brush.offset_m + PAST_M;
             spot.is_before(ground, pose) && around.is_clear_ahead(pose, past_m)
         };
-        let refused = self.refused;
-        let slowness = |pose: Pose2, gear: Gear| {
-            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
-        };
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
         self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 
@@ -147,11 +157,8 @@ impl Cleaner {
         (pose, now_s): (Pose2, f32),
         (left_s, is_goal): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
     ) -> Option<Vec<Waypoint>> {
-        let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-        let refused = self.refused;
-        let slowness = |pose: Pose2, gear: Gear| {
-            around.slowness(pose, gear).map(|factor| factor * refused.slowness(pose, gear, now_s))
-        };
+        let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose).after(self.refused);
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
         self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 }

@@ -196,7 +196,7 @@ fn people(sightings: &[Sighting]) -> String {
 fn tour(sightings: &[Sighting]) -> String {
     let last = sightings.iter().max_by_key(|seen| seen.stamp);
     let start = last.map_or_else(Pose2::default, |seen| seen.seen_from_in_map);
-    let mut text = String::from("x_m,y_m,heading_rad\n");
+    let mut text = String::from("lidar_x_m,lidar_y_m,lidar_heading_rad\n");
     for pose in revisits(sightings, start, RevisitRule::default(), |_| true) {
         text += &format!("{:.3},{:.3},{:.4}\n", pose.x_m, pose.y_m, pose.heading_rad);
     }
