@@ -81,7 +81,7 @@ impl<'a> Surroundings<'a> {
     }
 
     /// Factor of the time against open floor the robot takes there; `None`: it may not be there. With something in its
-    /// warning zone the guard lets it go slowly only, and what it has just refused is the last thing to try again.
+    /// warning zone the guard lets it go slowly only, and what it has just refused comes last.
     pub fn slowness(&self, pose: Pose2, gear: Gear) -> Option<f32> {
         if !self.is_free(pose, gear) {
             return None;
