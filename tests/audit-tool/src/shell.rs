@@ -56,14 +56,24 @@ pub fn is_installed(program: &str) -> bool {
         .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
 }
 
-/// The test among cargo's messages, one JSON object a line: the package's programs are built for it too, and come in any
-/// order.
-pub fn test_executable(messages: &str) -> Option<PathBuf> {
+/// The test of a package among cargo's messages, one JSON object a line: programs and tests of other packages are built beside it,
+/// and come in any order.
+pub fn test_executable(messages: &str, package: &str) -> Option<PathBuf> {
     messages.lines().find_map(|line| {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
         let is_test = message.get("profile")?.get("test")?.as_bool()?;
-        message.get("executable")?.as_str().filter(|_| is_test).map(PathBuf::from)
+        let is_of_package = name_in(message.get("package_id")?.as_str()?) == package;
+        message.get("executable")?.as_str().filter(|_| is_test && is_of_package).map(PathBuf::from)
     })
+}
+
+/// The package's name in cargo's identifier: `PLACE#NAME@VERSION`, or `PLACE/NAME#VERSION` where the folder has the name.
+fn name_in(identifier: &str) -> &str {
+    let (place, behind) = identifier.rsplit_once('#').unwrap_or((identifier, ""));
+    match behind.split_once('@') {
+        Some((name, _)) => name,
+        None => place.rsplit('/').next().unwrap_or(place),
+    }
 }
 
 #[cfg(test)]
@@ -72,12 +82,21 @@ mod tests {
 
     #[test]
     fn test_is_found_among_built_programs() {
-        let program = r#"{"profile":{"test":false},"executable":"/a/floorguard-wired"}"#;
-        let test = r#"{"profile":{"test":true},"executable":"/a/faults-12"}"#;
-        let library = r#"{"profile":{"test":false},"executable":null}"#;
-        for order in [[library, test, program], [program, library, test], [test, library, program]] {
-            assert_eq!(test_executable(&order.join("\n")).unwrap().to_str(), Some("/a/faults-12"));
+        let line = |package: &str, is_test: bool, executable: &str| {
+            format!(r#"{{"package_id":"{package}","profile":{{"test":{is_test}}},"executable":{executable}}}"#)
+        };
+        let program = line("path+file:///a/tests#robot-tests@0.1.0", false, r#""/a/wired""#);
+        let test = line("path+file:///a/tests#robot-tests@0.1.0", true, r#""/a/faults-12""#);
+        let other = line("path+file:///a/guard#0.1.0", true, r#""/a/guard-7""#);
+        let library = line("path+file:///a/guard#0.1.0", false, "null");
+        let found = |lines: &[&String], package| {
+            let lines: Vec<&str> = lines.iter().map(|line| line.as_str()).collect();
+            test_executable(&lines.join("\n"), package)
+        };
+        for order in [[&library, &test, &program, &other], [&other, &program, &library, &test]] {
+            assert_eq!(found(&order, "robot-tests").unwrap().to_str(), Some("/a/faults-12"));
+            assert_eq!(found(&order, "guard").unwrap().to_str(), Some("/a/guard-7"));
         }
-        assert_eq!(test_executable(&[library, program].join("\n")), None);
+        assert_eq!(found(&[&library, &program], "robot-tests"), None);
     }
 }

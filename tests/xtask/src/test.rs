@@ -1,10 +1,11 @@
 //! `cargo xtask test`: what CI runs, step by step, with a verdict at the end.
 
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, BufReader};
 use std::process::Stdio;
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::Args;
 
 use crate::machine::TARGET;
@@ -21,32 +22,34 @@ pub struct Options {
 
 /// One step: a name, and the words behind `cargo`.
 type Step = (&'static str, &'static str);
+/// Steps that run side by side: of an image that is linked as one piece, the compiler keeps one core busy and leaves the others idle.
+type Group = &'static [Step];
 
 /// Stands in the words of a step for the target of the firmware.
 const ON_TARGET: &str = "TARGET";
 /// Stands in the words of a step for the crates of the core and the drivers.
 const AUDITED: &str = "AUDITED";
 
-const STEPS: &[Step] = &[
-    ("format", "fmt --all --check"),
-    ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
-    (
+const GROUPS: &[Group] = &[
+    &[("format", "fmt --all --check")],
+    // With the writer of the trained detector; the runtime of foreign models takes minutes to compile and is left out.
+    &[(
+        "clippy",
+        "clippy --quiet --workspace --all-targets --features floorguard-laboratory/detector -- --deny warnings",
+    )],
+    &[(
         "robot-program",
         "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet,ros2 -- --deny warnings",
-    ),
-    // The writer of the trained detector; the runtime of foreign models takes minutes to compile and is left out.
-    ("detector", "clippy --quiet --package floorguard-laboratory --features detector -- --deny warnings"),
-    ("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET"),
-    ("tests", "test --workspace --no-fail-fast"),
-    ("firmware", "xtask firmware"),
-    ("wired", "xtask firmware --wired --duration 5"),
-    ("faults", "xtask firmware --faults few"),
-    ("board", "xtask firmware --board stm32h743"),
-    ("readers", "xtask check-recording --cuts 20"),
-    ("ros2", "xtask check-ros2"),
-    ("firmware-faults", "xtask campaign firmware-faults --trials 4"),
-    // After the firmware, whose figures it shows.
-    ("audit", "xtask audit"),
+    )],
+    &[("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET")],
+    &[("tests", "test --workspace --no-fail-fast")],
+    &[("firmware", "xtask firmware"), ("board", "xtask firmware --board stm32h743")],
+    &[("wired", "xtask firmware --wired --duration 5")],
+    &[("faults", "xtask firmware --faults few")],
+    &[("readers", "xtask check-recording --cuts 20")],
+    &[("ros2", "xtask check-ros2")],
+    // The audit after the firmware, whose figures it shows.
+    &[("firmware-faults", "xtask campaign firmware-faults --trials 4"), ("audit", "xtask audit")],
 ];
 
 /// What the test harnesses counted.
@@ -56,25 +59,20 @@ struct Count {
     failed: u64,
 }
 
-/// Runs the steps in order; a failed step does not hide the ones after it.
+/// Runs the groups in order; a failed step does not hide the ones after it.
 pub fn run(options: &Options) -> Result<bool> {
     if !setup::run()? {
         return Ok(false);
     }
     let mut failed_steps = Vec::new();
     let mut count = Count::default();
-    let wanted = |step: &&Step| options.only.as_ref().is_none_or(|word| step.0.contains(word.as_str()));
-    for &(name, words) in STEPS.iter().filter(wanted) {
-        println!("\n== {name}: cargo {words}");
-        let start = Instant::now();
-        let succeeded = run_step(name, words, &mut count)?;
-        println!(
-            "== {name}: {} after {:.0} s",
-            if succeeded { "good" } else { "FAILED" },
-            start.elapsed().as_secs_f64()
-        );
-        if !succeeded {
-            failed_steps.push(name);
+    for group in GROUPS {
+        for step in run_group(group, options.only.as_deref())? {
+            count.passed += step.count.passed;
+            count.failed += step.count.failed;
+            if !step.succeeded {
+                failed_steps.push(step.name);
+            }
         }
     }
     println!(
@@ -90,22 +88,73 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(failed_steps.is_empty())
 }
 
-/// Runs one step, shows its output as it comes, and adds up the harnesses' closing lines.
-fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
+/// How a step ended.
+struct Ended {
+    name: &'static str,
+    succeeded: bool,
+    count: Count,
+}
+
+/// Runs the wanted steps of a group side by side. The first shows its output as it comes, the others theirs when their turn comes.
+fn run_group(group: Group, only: Option<&str>) -> Result<Vec<Ended>> {
+    let wanted = group.iter().filter(|(name, _)| only.is_none_or(|word| name.contains(word)));
+    thread::scope(|scope| {
+        let begun: Vec<_> = wanted
+            .enumerate()
+            .map(|(place, step)| (step, scope.spawn(move || run_step(step, place == 0))))
+            .collect();
+        let ended = begun.into_iter().map(|(&(name, words), step)| {
+            let step = step.join().map_err(|_| anyhow!("step {name} was cut off"))??;
+            if !step.kept.is_empty() {
+                println!("\n== {name}: cargo {words}\n{}", step.kept);
+            }
+            let verdict = if step.succeeded { "good" } else { "FAILED" };
+            println!("== {name}: {verdict} after {:.0} s", step.duration.as_secs_f64());
+            Ok(Ended { name, succeeded: step.succeeded, count: step.count })
+        });
+        ended.collect()
+    })
+}
+
+/// What a step did.
+struct Ran {
+    succeeded: bool,
+    count: Count,
+    duration: Duration,
+    /// Output that was not shown as it came.
+    kept: String,
+}
+
+/// Runs one step, shows or keeps its output, and adds up the harnesses' closing lines.
+fn run_step(&(name, words): &Step, is_shown: bool) -> Result<Ran> {
+    let start = Instant::now();
     let mut command = shell::cargo();
     command.args(arguments(words)).stdin(Stdio::null()).stdout(Stdio::piped());
+    if is_shown {
+        println!("\n== {name}: cargo {words}");
+    } else {
+        command.stderr(Stdio::piped());
+    }
     let mut child = command.spawn().with_context(|| format!("cannot start cargo for step {name}"))?;
-    if let Some(output) = child.stdout.take() {
-        for line in BufReader::new(output).lines() {
-            let line = line.context("cannot read what cargo prints")?;
-            if let Some(result) = line.strip_prefix("test result: ") {
-                count.passed += number_before(result, " passed");
-                count.failed += number_before(result, " failed");
-            }
+    let errors = child.stderr.take().map(|errors| thread::spawn(move || io::read_to_string(errors)));
+    let (mut count, mut kept) = (Count::default(), String::new());
+    for line in child.stdout.take().into_iter().flat_map(|output| BufReader::new(output).lines()) {
+        let line = line.context("cannot read what cargo prints")?;
+        if let Some(result) = line.strip_prefix("test result: ") {
+            count.passed += number_before(result, " passed");
+            count.failed += number_before(result, " failed");
+        }
+        if is_shown {
             println!("{line}");
+        } else {
+            kept.extend([&line, "\n"]);
         }
     }
-    Ok(child.wait()?.success())
+    if let Some(errors) = errors {
+        kept += &errors.join().map_err(|_| anyhow!("the errors of step {name} were cut off"))??;
+    }
+    let succeeded = child.wait()?.success();
+    Ok(Ran { succeeded, count, duration: start.elapsed(), kept })
 }
 
 /// The arguments for cargo.
@@ -130,13 +179,25 @@ fn number_before(text: &str, word: &str) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{STEPS, TARGET, arguments, number_before};
+    use super::{GROUPS, TARGET, arguments, number_before, run_group, run_step};
 
     #[test]
     fn no_std_step_builds_for_the_board() {
-        let (_, words) = STEPS.iter().find(|(name, _)| *name == "no_std").expect("a step");
+        let (_, words) = GROUPS.concat().into_iter().find(|(name, _)| *name == "no_std").expect("a step");
         assert_eq!(arguments(words).last(), Some(&TARGET));
         assert!(arguments(words).windows(2).any(|pair| pair == ["--package", "floorguard-guard"]));
+    }
+
+    /// Cargo itself is what the steps run: one that ends well, and one that there is not.
+    #[test]
+    fn failed_step_does_not_hide_its_neighbour() {
+        let ended = run_group(&[("wrong", "no-such-command"), ("right", "--version")], None).expect("both run");
+        let verdicts: Vec<_> = ended.iter().map(|step| (step.name, step.succeeded)).collect();
+        assert_eq!(verdicts, [("wrong", false), ("right", true)]);
+        let kept = run_step(&("wrong", "no-such-command"), false).expect("it runs").kept;
+        assert!(kept.contains("no-such-command"), "{kept}");
+        let only = run_group(&[("wrong", "no-such-command"), ("right", "--version")], Some("ght"));
+        assert_eq!(only.expect("it runs").len(), 1);
     }
 
     #[test]

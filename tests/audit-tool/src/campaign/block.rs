@@ -12,15 +12,20 @@ use crate::facts::{Kind, facts};
 use crate::shell;
 
 /// Builds the test, optimised but with overflow checks, and tells where it is.
+///
+/// Cargo unites the features of the packages that are selected: of one package alone, most dependencies would be compiled once more
+/// than for the tests of the workspace.
 pub fn build(kind: &Kind) -> Result<PathBuf> {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", &kind.package]);
+    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--workspace"]);
     command.args(&kind.target).stderr(Stdio::inherit());
     let output = command.output().context("cannot start cargo")?;
     if !output.status.success() {
         bail!("the test of campaign {} does not build", kind.name);
     }
-    shell::test_executable(&String::from_utf8_lossy(&output.stdout)).context("cargo names no test executable")
+    let messages = String::from_utf8_lossy(&output.stdout);
+    let found = shell::test_executable(&messages, &kind.package);
+    found.with_context(|| format!("cargo names no test executable of {}", kind.package))
 }
 
 /// What every block of a campaign runs.

@@ -18,13 +18,8 @@ pub struct Trace {
     pub sources: String,
     /// Where code and tests may name a requirement.
     pub folders: Vec<String>,
-    /// Package of the integration tests.
-    pub tests: String,
-    /// Their folder.
+    /// Folder of the integration tests.
     pub tests_folder: String,
-    /// Other packages whose library tests hold requirements; the audited crates are asked anyway.
-    #[serde(default)]
-    pub packages: Vec<String>,
 }
 
 /// What other commands keep.

@@ -6,8 +6,7 @@ use std::process::{Child, Command, Stdio};
 use anyhow::{Context, Result};
 use serde::Serialize;
 
-use crate::facts::facts;
-use crate::{shell, sources};
+use crate::shell;
 
 /// What came of the tests.
 #[derive(Default)]
@@ -77,9 +76,8 @@ impl Drop for Building {
 
 fn command(targets: &BTreeSet<String>) -> Command {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-fail-fast", "--lib", "--package", &facts().trace.tests]);
-    command.args(sources::crates().iter().flat_map(|one| ["--package", &one.package]));
-    command.args(facts().trace.packages.iter().flat_map(|package| ["--package", package]));
+    // With the features of the workspace's tests: of some packages alone, most dependencies would be compiled once more.
+    command.args(["test", "--quiet", "--no-fail-fast", "--workspace", "--lib"]);
     for target in targets {
         command.args(["--test", target]);
     }
