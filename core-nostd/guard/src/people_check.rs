@@ -6,7 +6,7 @@ use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
 use crate::protection::{Advice, AdvisedPerson, Cause, CauseRecord, LATER_AT_FLANK_S, PersonNearness, Unit};
 use floorguard_types::geometry::Twist2;
-use floorguard_types::time::{Age, Stamp};
+use floorguard_types::time::Stamp;
 
 /// People reached later than this do not matter yet (book, Guard: Collision), seconds.
 const COLLISION_HORIZON_S: f32 = 3.0;
