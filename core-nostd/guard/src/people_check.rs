@@ -1,10 +1,10 @@
-//! People, and what else perception asks for: which of them slow the robot down, and for whom a stop helps (book, Guard: Collision,
-//! People near).
+//! People, and what else perception asks for: which of them slow the robot down, and where a creep is enough (book, Guard:
+//! Collision, People near).
 
 use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, AdvisedPerson, Cause, CauseRecord, LATER_AT_FLANK_S, PersonNearness, Unit};
+use crate::protection::{Advice, AdvisedPerson, Cause, CauseRecord, PersonNearness, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
@@ -69,20 +69,14 @@ impl Supervisor {
             PersonNearness::Passed => finding.passed_m = finding.passed_m.min(distance_m),
             PersonNearness::LeftBehind => {}
         }
-        // Who is left behind does not hold the robot (FG-REQ-034), nor who would meet it all the same (FG-REQ-038).
-        if self.body.recedes_from(person, twist) || self.body.is_met_from_behind(person, twist) {
+        // Who is left behind does not hold the robot (FG-REQ-034).
+        if self.body.recedes_from(person, twist) {
             return;
         }
-        let later_s = self.later_s(person, twist);
         let times_s = self.body.times_to_person_s(person, twist);
         for (soonest_s, time_s) in finding.soonest_s.iter_mut().zip(times_s) {
-            *soonest_s = soonest_s.min(time_s + later_s);
+            *soonest_s = soonest_s.min(time_s);
         }
-    }
-
-    /// What may be taken off the margin for a person, seconds.
-    fn later_s(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
-        if self.body.is_met_at_flank(person, twist) { LATER_AT_FLANK_S } else { 0.0 }
     }
 
     /// The greatest speed near people, or a share of it, at which the same curve reaches nobody before the robot can stand.
@@ -99,8 +93,7 @@ impl Supervisor {
             share < SLOWER_SHARE
                 && advice.people.iter().all(|person| {
                     let time_s = self.body.time_when_slower_s(person, (twist, share), braking_m);
-                    let is_late = time_s >= clear_s || self.body.is_met_from_behind(person, twist);
-                    person.is_finite() && is_late
+                    person.is_finite() && time_s >= clear_s
                 })
         })
     }

@@ -88,7 +88,7 @@ impl Body {
     ///
     /// The distance to a convex body is a convex function of the time: who comes no nearer now never does. The body with
     /// a border of `radius_m` is two boxes and four discs; the soonest of them counts.
-    pub(super) fn straight_time_s(&self, point: Point2, u: Point2, radius_m: f32) -> f32 {
+    fn straight_time_s(&self, point: Point2, u: Point2, radius_m: f32) -> f32 {
         let offset = self.offset(point);
         let closing = offset.x_m * u.x_m + offset.y_m * u.y_m < 0.0;
         if !closing || u.x_m * u.x_m + u.y_m * u.y_m < STILL_M2PS2 {

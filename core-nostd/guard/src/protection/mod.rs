@@ -60,7 +60,7 @@ pub use motion::Motion;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use persistence::Persistence;
-pub use person_relation::{LATER_AT_FLANK_S, PersonNearness};
+pub use person_relation::PersonNearness;
 pub use rear_scanner::RearScanner;
 pub use record::{CauseRecord, Unit};
 pub use reset::{ResetRefusal, ResetReport};

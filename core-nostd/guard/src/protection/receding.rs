@@ -35,21 +35,14 @@ impl Body {
     /// ```
     #[must_use]
     pub fn recedes_from(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
-        if self.is_beside(person, twist) {
-            return twist.linear_mps.abs() >= LEAVING_MPS;
-        }
-        self.leaves_by_itself(person, twist) && self.closing_m2ps(person, twist) <= 0.0
-    }
-
-    /// The person is beyond the trailing edge, and the robot's own motion brings no point of the body nearer to anywhere that the
-    /// person may be; what the person does counts not. More doubt never turns this from `false` to `true`.
-    #[must_use]
-    pub fn leaves_by_itself(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
         let speed_mps = twist.linear_mps.abs();
         let doubt_m = POSITION_SIGMAS * person.position_sigma_m.max(0.0);
         let offset = self.offset(person.position);
         let behind_m = -offset.x_m * twist.linear_mps.signum();
-        if speed_mps < LEAVING_MPS || behind_m <= 0.0 {
+        if self.is_beside(person, twist) {
+            return speed_mps >= LEAVING_MPS;
+        }
+        if speed_mps < LEAVING_MPS || behind_m <= 0.0 || self.closing_m2ps(person, twist) > 0.0 {
             return false;
         }
         if twist.angular_radps.abs() <= STRAIGHT_RADPS {

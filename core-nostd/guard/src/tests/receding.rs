@@ -136,7 +136,8 @@ fn is_stopped_by(person: AdvisedPerson, twist: Twist2) -> bool {
 fn fg_req_034_person_left_behind_stops_no_robot() {
     assert!(!stops(-0.45 - 0.2, 0.0, 0.3), "touched from behind, leaving");
     assert!(!stops(-0.45 - 0.2, 0.25, 0.3), "followed more slowly than it leaves");
-    assert!(stops(-0.45 - 0.2, 0.35, 0.0), "a robot that stands leaves nobody");
+    assert!(stops(-0.45 - 0.2, 0.35, 0.3), "followed faster than it leaves");
+    assert!(stops(-0.45 - 0.8, 1.4, 0.5), "met from behind");
     assert!(stops(-0.45 - 0.8, 1.4, -0.3), "backing towards the follower");
     assert!(stops(0.95 + 0.2, 0.0, 0.3), "ahead");
     assert!(stops(0.95 + 0.8, -1.4, 0.5), "coming towards the front");

@@ -88,7 +88,7 @@ impl GuardModel {
     }
 
     fn meeting(&self, person: &AdvisedPerson, twist: Twist2) -> Meeting {
-        if self.body.recedes_from(person, twist) || self.body.is_met_from_behind(person, twist) {
+        if self.body.recedes_from(person, twist) {
             return Meeting::Never;
         }
         let radius_m = PERSON_RADIUS_M + 2.0 * person.position_sigma_m;
