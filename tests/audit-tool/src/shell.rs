@@ -83,7 +83,9 @@ mod tests {
     #[test]
     fn test_is_found_among_built_programs() {
         let line = |package: &str, is_test: bool, executable: &str| {
-            format!(r#"{{"package_id":"{package}","profile":{{"test":{is_test}}},"executable":{executable}}}"#)
+            format!(
+                r#"{{"package_id":"{package}","profile":{{"test":{is_test}}},"executable":{executable}}}"#
+            )
         };
         let program = line("path+file:///a/tests#robot-tests@0.1.0", false, r#""/a/wired""#);
         let test = line("path+file:///a/tests#robot-tests@0.1.0", true, r#""/a/faults-12""#);

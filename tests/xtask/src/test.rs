@@ -42,7 +42,13 @@ const GROUPS: &[Group] = &[
         "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet,ros2 -- --deny warnings",
     )],
     &[("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET")],
-    &[("tests", "test --workspace --no-fail-fast")],
+    &[("build", "test --workspace --no-run")],
+    // Some test programs end with one long test, which leaves the other cores to whoever runs beside it.
+    &[
+        ("tests", "test --workspace --no-fail-fast --test *"),
+        ("unit-tests", "test --workspace --no-fail-fast --lib --bins"),
+        ("doc-tests", "test --workspace --no-fail-fast --doc"),
+    ],
     &[("firmware", "xtask firmware"), ("board", "xtask firmware --board stm32h743")],
     &[("wired", "xtask firmware --wired --duration 5")],
     &[("faults", "xtask firmware --faults few")],
@@ -191,7 +197,8 @@ mod tests {
     /// Cargo itself is what the steps run: one that ends well, and one that there is not.
     #[test]
     fn failed_step_does_not_hide_its_neighbour() {
-        let ended = run_group(&[("wrong", "no-such-command"), ("right", "--version")], None).expect("both run");
+        let ended =
+            run_group(&[("wrong", "no-such-command"), ("right", "--version")], None).expect("both run");
         let verdicts: Vec<_> = ended.iter().map(|step| (step.name, step.succeeded)).collect();
         assert_eq!(verdicts, [("wrong", false), ("right", true)]);
         let kept = run_step(&("wrong", "no-such-command"), false).expect("it runs").kept;

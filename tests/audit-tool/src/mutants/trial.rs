@@ -37,7 +37,7 @@ impl Program {
         if !output.status.success() {
             return Ok(None);
         }
-        let path = shell::test_executable(&String::from_utf8_lossy(&output.stdout));
+        let path = shell::test_executable(&String::from_utf8_lossy(&output.stdout), package);
         let path = path.context("cargo names no test executable")?;
         let folder = mutated.sources().join(sources::folder_of(package)?);
         let mut arguments: Vec<String> = suite.chosen.clone();
