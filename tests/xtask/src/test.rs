@@ -42,13 +42,7 @@ const GROUPS: &[Group] = &[
         "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet,ros2 -- --deny warnings",
     )],
     &[("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET")],
-    &[("build", "test --workspace --no-run")],
-    // Some test programs end with one long test, which leaves the other cores to whoever runs beside it.
-    &[
-        ("tests", "test --workspace --no-fail-fast --test *"),
-        ("unit-tests", "test --workspace --no-fail-fast --lib --bins"),
-        ("doc-tests", "test --workspace --no-fail-fast --doc"),
-    ],
+    &[("tests", "test --workspace --no-fail-fast")],
     &[("firmware", "xtask firmware"), ("board", "xtask firmware --board stm32h743")],
     &[("wired", "xtask firmware --wired --duration 5")],
     &[("faults", "xtask firmware --faults few")],
