@@ -88,11 +88,14 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(failed_steps.is_empty())
 }
 
-/// How a step ended.
+/// What a step did.
 struct Ended {
     name: &'static str,
     succeeded: bool,
     count: Count,
+    duration: Duration,
+    /// Output that was not shown as it came.
+    kept: String,
 }
 
 /// Runs the wanted steps of a group side by side. The first shows its output as it comes, the others theirs when their turn comes.
@@ -110,23 +113,14 @@ fn run_group(group: Group, only: Option<&str>) -> Result<Vec<Ended>> {
             }
             let verdict = if step.succeeded { "good" } else { "FAILED" };
             println!("== {name}: {verdict} after {:.0} s", step.duration.as_secs_f64());
-            Ok(Ended { name, succeeded: step.succeeded, count: step.count })
+            Ok(step)
         });
         ended.collect()
     })
 }
 
-/// What a step did.
-struct Ran {
-    succeeded: bool,
-    count: Count,
-    duration: Duration,
-    /// Output that was not shown as it came.
-    kept: String,
-}
-
 /// Runs one step, shows or keeps its output, and adds up the harnesses' closing lines.
-fn run_step(&(name, words): &Step, is_shown: bool) -> Result<Ran> {
+fn run_step(&(name, words): &Step, is_shown: bool) -> Result<Ended> {
     let start = Instant::now();
     let mut command = shell::cargo();
     command.args(arguments(words)).stdin(Stdio::null()).stdout(Stdio::piped());
@@ -154,7 +148,7 @@ fn run_step(&(name, words): &Step, is_shown: bool) -> Result<Ran> {
         kept += &errors.join().map_err(|_| anyhow!("the errors of step {name} were cut off"))??;
     }
     let succeeded = child.wait()?.success();
-    Ok(Ran { succeeded, count, duration: start.elapsed(), kept })
+    Ok(Ended { name, succeeded, count, duration: start.elapsed(), kept })
 }
 
 /// The arguments for cargo.
