@@ -3,19 +3,16 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-/// Names under which Chromium is installed.
-const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+use crate::seen_support::{Page, browser};
 
 #[test]
 fn a_browser_shows_the_driving_robot() {
-    let there =
-        |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success());
-    let Some(browser) = BROWSERS.iter().find(there) else {
+    let Some(browser) = browser() else {
         println!("skipped: no Chromium is installed");
         return;
     };
     let mut child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
-        .args(["simulate", "--scenario", "empty", "--duration", "90", "--panel", "127.0.0.1:0", "--json"])
+        .args(["simulate", "--scenario", "empty", "--duration", "400", "--panel", "127.0.0.1:0", "--json"])
         .env_remove("FLOORGUARD_PANEL_TOKEN")
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -25,13 +22,7 @@ fn a_browser_shows_the_driving_robot() {
     let line = lines.find_map(|line| line.ok().filter(|line| line.contains("http://"))).expect("an address");
     let address = line.trim().trim_start_matches("panel: ");
     // The robot plays in real time: beside other tests it starts late, and may stand for a moment.
-    let mut seen = Vec::new();
-    for _ in 0..8 {
-        seen.push(photograph(browser, address));
-        if seen.last().is_some_and(Seen::shows_a_driving_robot) {
-            break;
-        }
-    }
+    let seen = Page::open(browser, address, (1280, 800)).until(Seen::of, Seen::shows_a_driving_robot);
     let _ = child.kill();
     let _ = child.wait();
     assert!(seen.last().is_some_and(Seen::shows_a_driving_robot), "{seen:?}");
@@ -47,28 +38,20 @@ struct Seen {
 }
 
 impl Seen {
+    fn of(picture: &image::RgbImage) -> Self {
+        let count = |colour: [u8; 3], columns: std::ops::Range<u32>| {
+            picture
+                .enumerate_pixels()
+                .filter(|(x, _, pixel)| columns.contains(x) && pixel.0 == colour)
+                .count()
+        };
+        Self {
+            body_pixels: count([0x0b, 0x53, 0x94], 0..890),
+            driving_pixels: count([0x2e, 0x7d, 0x32], 900..1280),
+        }
+    }
+
     fn shows_a_driving_robot(&self) -> bool {
         self.body_pixels > 500 && self.driving_pixels > 300
-    }
-}
-
-/// Opens the page for three seconds.
-fn photograph(browser: &str, address: &str) -> Seen {
-    let folder = tempfile::tempdir().expect("a folder");
-    let profile = format!("--user-data-dir={}", folder.path().join("profile").display());
-    let picture = folder.path().join("panel.png");
-    let output = Command::new(browser)
-        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,800", &profile])
-        .args(["--timeout=3000", &format!("--screenshot={}", picture.display())])
-        .arg(address)
-        .output()
-        .expect("the browser starts");
-    let picture = image::open(&picture).unwrap_or_else(|error| panic!("{error}: {output:?}")).to_rgb8();
-    let count = |colour: [u8; 3], columns: std::ops::Range<u32>| {
-        picture.enumerate_pixels().filter(|(x, _, pixel)| columns.contains(x) && pixel.0 == colour).count()
-    };
-    Seen {
-        body_pixels: count([0x0b, 0x53, 0x94], 0..890),
-        driving_pixels: count([0x2e, 0x7d, 0x32], 900..1280),
     }
 }

@@ -9,10 +9,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::seen_support::browser;
 use image::{GrayImage, imageops};
 
-/// Names under which Chromium is installed.
-const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 /// The typeface of the kept pictures.
 const TYPEFACE: &str = "DejaVu Sans";
 /// Widths of a phone, a tablet and a desk, CSS pixels.
@@ -27,12 +26,6 @@ const FAR_SHARE_MAX: f64 = 0.01;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/panel")
-}
-
-fn browser() -> Option<&'static str> {
-    let there =
-        |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success());
-    BROWSERS.iter().find(there).copied()
 }
 
 /// The page, answered by a file, beside a page that holds it in frames.

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-/// Names under which Chromium is installed.
-const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+use crate::seen_support::browser;
+
 /// Width of a phone, CSS pixels.
 const PHONE_PX: u32 = 390;
 
@@ -48,9 +48,7 @@ fn laid_out(browser: &str, folder: &Path, outer: &Path) -> Option<u32> {
 
 #[test]
 fn no_page_is_wider_than_a_phone() {
-    let there =
-        |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success());
-    let Some(browser) = BROWSERS.iter().find(there) else {
+    let Some(browser) = browser() else {
         println!("skipped: no Chromium is installed");
         return;
     };

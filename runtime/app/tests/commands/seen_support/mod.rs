@@ -1,49 +1,14 @@
 //! A mission to be seen, and a browser to see it with.
 
-use std::process::Command;
+mod browser;
+
+pub use browser::{Page, browser};
 use std::sync::Arc;
 
 use floorguard_mapping::GridGeometry;
 use floorguard_robot::cleaner::{CellState, Doubt, MissionPhase, MissionProgress, UncertainCell};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
-
-/// Names under which Chromium is installed.
-const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
-
-/// A browser, where one is installed.
-pub fn browser() -> Option<&'static str> {
-    let there =
-        |name: &&str| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success());
-    BROWSERS.into_iter().find(there)
-}
-
-/// What a page looks like after three seconds. With `FLOORGUARD_KEEP_PICTURES` the picture stays in that folder.
-pub fn screenshot(browser: &str, address: &str, (width, height): (u32, u32)) -> image::RgbImage {
-    let folder = tempfile::tempdir().expect("a folder");
-    let profile = format!("--user-data-dir={}", folder.path().join("profile").display());
-    let file = folder.path().join("page.png");
-    let output = Command::new(browser)
-        .args([
-            "--headless=new",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--hide-scrollbars",
-            "--timeout=3000",
-            &profile,
-        ])
-        .arg(format!("--window-size={width},{height}"))
-        .arg(format!("--screenshot={}", file.display()))
-        .arg(address)
-        .output()
-        .expect("the browser starts");
-    let picture = image::open(&file).unwrap_or_else(|error| panic!("{error}: {output:?}")).to_rgb8();
-    if let Some(kept) = std::env::var_os("FLOORGUARD_KEEP_PICTURES") {
-        let name = std::path::Path::new(&kept).join(format!("page-{width}.png"));
-        picture.save(name).expect("the picture is kept");
-    }
-    picture
-}
 
 /// A floor of 4 × 3 m of which so much is clean.
 pub fn progress(share: f32) -> Arc<MissionProgress> {
