@@ -1,11 +1,9 @@
 //! The whole published way in a simulated building: survey, people by a camera's boxes, removal, and a tour of revisits that is
 //! driven until what people hid has been seen, at most three times.
 
-use floorguard_mapping::people_removal::{
-    PointVerdict, PositionMethod, RemovalBox, RemovalSize, RevisitRule, Sighting, revisits,
-};
+use floorguard_mapping::people_removal::{PointVerdict, PositionMethod, RevisitRule, Sighting, revisits};
 use floorguard_mapping_host::clean::{
-    AreaCount, BoxIndex, CleanConfig, Cleaner, PeopleInImages, RemovedAreas, Thinned, Track,
+    AreaCount, CleanConfig, Cleaner, PeopleInImages, PersonBoxes, RemovedAreas, Thinned, Track,
 };
 use floorguard_types::geometry::{Point3, Pose2};
 
@@ -149,9 +147,11 @@ impl Revisited {
         let mut score = Score::default();
         for (number, (drive, track)) in self.drives.iter().enumerate() {
             // Who stood there in one drive may be gone in the next: boxes count for their own drive.
-            let boxes = boxes(of_drives[number].sightings().entries());
+            let seen = of_drives[number].sightings().entries();
+            let boxes = PersonBoxes::new(seen, &[], FLOOR_M, cleaner.space());
             let mut verdicts = Vec::new();
             self.survey(drive).for_each(self.seed + number as u64, |labelled| {
+                let boxes = boxes.of_sweep(labelled.sweep.start_s + 0.5 * labelled.sweep.duration_s());
                 let _ = cleaner.judge(&labelled.sweep, track, &mut verdicts);
                 let points = cleaner.points_in_map().iter().zip(&verdicts).zip(&labelled.labels);
                 for ((point, verdict), label) in points {
@@ -208,9 +208,4 @@ fn corridor_tour(tour: &[Pose2], from: [f32; 3], start_s: f32) -> Drive {
         drive.wait(DWELL_S);
     }
     drive
-}
-
-fn boxes(sightings: &[Sighting]) -> BoxIndex {
-    let around = |seen: &Sighting| RemovalBox::around(seen.person_in_map, FLOOR_M, RemovalSize::default());
-    BoxIndex::new(&sightings.iter().map(around).collect::<Vec<_>>())
 }

@@ -3,11 +3,9 @@
 use std::time::Instant;
 
 use floorguard_host::outcome::{BadInput, WrongUsage};
-use floorguard_mapping::people_removal::{
-    FloorHeight, PointVerdict, PositionMethod, RemovalBox, RemovalSize, Sighting,
-};
+use floorguard_mapping::people_removal::{FloorHeight, PointVerdict, PositionMethod, Sighting};
 use floorguard_mapping_host::clean::{
-    BoxIndex, CleanConfig, Cleaner, PeopleInImages, RawSweep, Thinned, Track,
+    CleanConfig, Cleaner, PeopleInImages, PersonBoxes, RawSweep, Thinned, Track,
 };
 
 use super::super::camera_file::CameraFile;
@@ -81,7 +79,7 @@ struct Work {
     /// For each survey; none without pictures.
     images: Vec<PeopleInImages>,
     /// For each survey.
-    boxes: Vec<BoxIndex>,
+    boxes: Vec<PersonBoxes>,
     clean: Thinned,
     removed: Thinned,
     summary: CleanSummary,
@@ -126,7 +124,11 @@ impl Work {
     }
 
     /// For each survey, around places of a file and around people in its pictures.
-    fn removal_boxes(&mut self, arguments: &CleanArguments, surveys: usize) -> anyhow::Result<Vec<BoxIndex>> {
+    fn removal_boxes(
+        &mut self,
+        arguments: &CleanArguments,
+        surveys: usize,
+    ) -> anyhow::Result<Vec<PersonBoxes>> {
         let floor_m = self.summary.floor_m;
         let given = match &arguments.people {
             Some(path) => boxes(path, floor_m)?,
@@ -140,12 +142,9 @@ impl Work {
             );
             return Err(BadInput(what).into());
         }
-        let around =
-            |seen: &Sighting| RemovalBox::around(seen.person_in_map, floor_m, RemovalSize::default());
         let of_survey = |number: usize| {
             let seen = self.images.get(number).map_or(&[][..], |images| images.sightings().entries());
-            let all: Vec<RemovalBox> = given.iter().copied().chain(seen.iter().map(around)).collect();
-            BoxIndex::new(&all)
+            PersonBoxes::new(seen, &given, floor_m, self.cleaner.space())
         };
         Ok((0..surveys).map(of_survey).collect())
     }
@@ -170,12 +169,13 @@ impl Work {
         if self.cleaner.judge(sweep, track, &mut verdicts).is_none() && track.at(sweep.start_s).is_none() {
             return;
         }
+        let boxes = self.boxes[survey].of_sweep(sweep.start_s + 0.5 * sweep.duration_s());
         for (point, verdict) in self.cleaner.points_in_map().iter().zip(&verdicts) {
             self.summary.returns += 1;
             if *verdict == PointVerdict::Moved {
                 self.summary.returns_moved += 1;
                 self.removed.enter(*point);
-            } else if self.boxes[survey].contains(*point) {
+            } else if boxes.contains(*point) {
                 self.summary.returns_in_boxes += 1;
                 self.removed.enter(*point);
             } else {
