@@ -38,6 +38,9 @@ pub struct Round {
     pub areas: AreaCount,
     /// By labels of all returns so far.
     pub score: Score,
+    /// Of the static points of the cloud, cubes of 3 cm, those that the cleaned cloud holds, 0 to 1. A wall that a box took in one
+    /// drive stays if another drive saw it.
+    pub static_points_kept: f64,
     /// People that were seen in the newest drive.
     pub seen: usize,
 }
@@ -144,6 +147,7 @@ impl Revisited {
             of_drives.push(self.observe(number, &mut cleaner));
         }
         let (mut kept, mut removed) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
+        let (mut all_static, mut kept_static) = (Thinned::new(CUBE_M), Thinned::new(CUBE_M));
         let mut score = Score::default();
         for (number, (drive, track)) in self.drives.iter().enumerate() {
             // Who stood there in one drive may be gone in the next: boxes count for their own drive.
@@ -157,7 +161,17 @@ impl Revisited {
                 for ((point, verdict), label) in points {
                     let is_removed = *verdict == PointVerdict::Moved || boxes.contains(*point);
                     score.enter(*label > 0, is_removed);
-                    if is_removed { removed.enter(*point) } else { kept.enter(*point) }
+                    if is_removed {
+                        removed.enter(*point)
+                    } else {
+                        kept.enter(*point)
+                    }
+                    if *label == 0 {
+                        all_static.enter(*point);
+                        if !is_removed {
+                            kept_static.enter(*point);
+                        }
+                    }
                 }
             });
         }
@@ -169,7 +183,8 @@ impl Revisited {
             kept: kept.points().to_vec(),
             removed: removed.points().to_vec(),
         };
-        (Round { stops, areas: areas.count(), score, seen: newest.len() }, clouds, newest)
+        let static_points_kept = kept_static.points().len() as f64 / all_static.points().len().max(1) as f64;
+        (Round { stops, areas: areas.count(), score, static_points_kept, seen: newest.len() }, clouds, newest)
     }
 
     fn survey<'a>(&'a self, drive: &'a Drive) -> Survey<'a> {

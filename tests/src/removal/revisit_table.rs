@@ -14,7 +14,7 @@ const SEED: u64 = 4_711;
 const FILLED: f32 = 0.95;
 /// Share of people's returns that are removed.
 const REMOVED: f64 = 0.98;
-/// Share of static returns that stay.
+/// Share of the static points of the cloud that stay. Single returns are counted beside: a box takes some of the wall beside who stands.
 const KEPT: f64 = 0.995;
 
 /// Runs the experiment with so many random buildings, prints the table and writes it and two pages into `folder`. True if all
@@ -37,8 +37,8 @@ pub fn people_revisits(trials: u64, folder: &Path) -> anyhow::Result<(String, bo
 /// # Errors
 /// The folder takes no page.
 fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool> {
-    *table += "| building | round | poses of the tour | floor below people, m² | of it seen, % | people removed, % | static kept, % |\n\
-               |---|---|---|---|---|---|---|\n";
+    *table += "| building | round | poses of the tour | floor below people, m² | of it seen, % | people removed, % | static points kept, % | of single returns, % |\n\
+               |---|---|---|---|---|---|---|---|\n";
     let mut holds = true;
     let mut filled = Vec::new();
     let named = [("office, 1 person".to_owned(), 1, 1), ("conference room, 3 people".to_owned(), 2, 3)];
@@ -88,18 +88,19 @@ fn tours(trials: u64, folder: &Path, table: &mut String) -> anyhow::Result<bool>
 fn meets(last: &Round) -> bool {
     last.areas.filled_share() >= FILLED
         && last.score.dynamic_accuracy() >= REMOVED
-        && last.score.static_accuracy() >= KEPT
+        && last.static_points_kept >= KEPT
 }
 
 fn row(table: &mut String, (name, round): (&str, usize), each: &Round) {
     // Writing to a string cannot fail.
     let _ = writeln!(
         table,
-        "| {name} | {round} | {} | {:.2} | {:.1} | {:.2} | {:.3} |",
+        "| {name} | {round} | {} | {:.2} | {:.1} | {:.2} | {:.3} | {:.3} |",
         each.stops,
         each.areas.removed_m2,
         100.0 * each.areas.filled_share(),
         100.0 * each.score.dynamic_accuracy(),
+        100.0 * each.static_points_kept,
         100.0 * each.score.static_accuracy()
     );
     println!("{name}, round {round}: {each:?}");

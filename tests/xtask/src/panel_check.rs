@@ -38,7 +38,7 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(true);
         }
     };
-    let program = program::built("floorguard")?;
+    let program = program::released("floorguard")?;
     let _ = std::fs::remove_file(folder.join("records.json"));
     let mut walk = Command::new("node");
     walk.arg(shell::root().join("tests/panel/check.mjs"));

@@ -26,7 +26,7 @@ pub use exploration_outcome::ExplorationReport;
 pub use latency::Quantiles;
 pub use mission_outcome::{MissionJudge, MissionOutcome, MissionReport};
 pub use navigation_outcome::{NavigationJudge, NavigationReport};
-pub use orders::StopOrders;
+pub use orders::{StopOrders, known_us};
 pub use outcome::{Asked, Outcome, Standing};
 pub use stops::{StopJudge, StopReason};
 pub use tour_outcome::TourReport;

@@ -1,5 +1,6 @@
 //! From the measurement that made the robot stop to the order on the bus: what the robot itself is answerable for.
 
+use floorguard_guard::{Cause, CauseRecord};
 use std::collections::VecDeque;
 
 /// A decision and its frame are in the same cycle of 10 ms; frames older than this answer nothing, microseconds.
@@ -19,6 +20,15 @@ struct Order {
 struct Pending {
     measured_us: u64,
     decided_us: u64,
+}
+
+/// When the robot could first know the reason of a stop that it decided at this moment. Silence of a source is known at the end of
+/// the time that it may take, not at its last message.
+#[must_use]
+pub fn known_us(cause: &CauseRecord, decided_us: u64) -> u64 {
+    let is_silence = matches!(cause.cause, Cause::SourceLost(_) | Cause::SourceLate(_));
+    let allowed_us = if is_silence { (f64::from(cause.limit) * 1.0e6) as u64 } else { 0 };
+    decided_us.saturating_sub(cause.age_us.saturating_sub(allowed_us))
 }
 
 /// Watches orders and stops; both may come to its notice in either order.
@@ -74,6 +84,16 @@ impl StopOrders {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_guard::{Source, Unit};
+    use floorguard_types::time::Stamp;
+
+    #[test]
+    fn silence_is_known_at_its_limit() {
+        let of = |cause| CauseRecord::new(cause, Stamp::ZERO).aged(209_000);
+        assert_eq!(known_us(&of(Cause::ScanProtective), 1_000_000), 791_000);
+        let lost = of(Cause::SourceLost(Source::Lidar)).measured(0.209, 0.2, Unit::Seconds);
+        assert!(known_us(&lost, 1_000_000).abs_diff(991_000) <= 1);
+    }
 
     #[test]
     fn first_lower_order_answers_the_first_cause() {

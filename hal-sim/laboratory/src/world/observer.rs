@@ -17,7 +17,7 @@ use super::observation::{Observation, PATH_US, SeenStop};
 use super::swept_area::SweptArea;
 use super::truth::TruthSampler;
 use super::wheel_targets::WheelTargets;
-use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
+use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict, known_us};
 use crate::judge::{HeardOf, MissionJudge, NavigationJudge, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
@@ -293,9 +293,9 @@ impl<'a> Observer<'a> {
         };
         let stamp = self.in_world(stop.stamp);
         self.judge.stop(stamp, reason);
-        let measured_us = stamp.as_micros().saturating_sub(stop.cause.age_us);
+        let decided_us = stamp.as_micros();
         if stop.cause.cause != Cause::EmergencyStop {
-            self.orders.stop(measured_us, stamp.as_micros());
+            self.orders.stop(known_us(&stop.cause, decided_us), decided_us);
         }
         if let Cause::SourceLost(source) | Cause::SourceLate(source) = stop.cause.cause {
             self.faulty.insert(source.name().to_owned());

@@ -116,8 +116,8 @@ function drawLines(g, w, h) {
 }
 
 function draw() {
-  const canvas = $("map"), ratio = devicePixelRatio || 1;
-  const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+  readExtent();
+  const canvas = $("map"), ratio = devicePixelRatio || 1, {w, h} = extent;
   if (canvas.width !== Math.round(w * ratio) || canvas.height !== Math.round(h * ratio)) { canvas.width = Math.round(w * ratio); canvas.height = Math.round(h * ratio); }
   const g = canvas.getContext("2d");
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
