@@ -73,7 +73,9 @@ proptest! {
         let pose = RobotPose { x_m, y_m: 0.0, heading_rad };
         let gap_m = RobotBody::new(&body()).unwrap().nearest(pose, &solid).gap_m;
         let sampled = sampled_m(pose, &points(&solid));
-        prop_assert!(gap_m.max(0.0) <= sampled + 1e-3, "{gap_m} against {sampled}");
+        // The library's search ends once it is within 0.11 % of the distance, the root of ten times the precision of its numbers: 2 mm
+        // at 2 m, and nothing where bodies touch.
+        prop_assert!(gap_m.max(0.0) <= sampled * 1.001_1 + 1e-3, "{gap_m} against {sampled}");
         prop_assert!(sampled <= gap_m.max(0.0) + GRID_M, "{gap_m} against {sampled}");
         if sampled <= 0.0 {
             prop_assert!(gap_m <= 1e-4, "{gap_m} against {sampled}");

@@ -84,7 +84,8 @@ impl SweepBoxes<'_> {
 fn pictures_at(sightings: &[Sighting], place: Point3) -> u32 {
     let is_here = |seen: &&Sighting| {
         let other = seen.person_in_map;
-        (other.x_m - place.x_m).hypot(other.y_m - place.y_m) <= ONE_PLACE_M
+        let [x_m, y_m] = [other.x_m - place.x_m, other.y_m - place.y_m];
+        x_m * x_m + y_m * y_m <= ONE_PLACE_M * ONE_PLACE_M
     };
     sightings.iter().filter(is_here).map(|seen| seen.count).fold(0, u32::saturating_add)
 }
