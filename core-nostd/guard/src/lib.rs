@@ -32,6 +32,7 @@ mod limiter;
 mod machine;
 mod motion_checks;
 mod packet_check;
+mod people_check;
 pub mod protection;
 mod reset_answer;
 mod rules;

@@ -1,6 +1,7 @@
 //! Decisions at exactly their limits: neither side may move by the width of a number.
 
 use super::fixtures::{Rig, forward};
+use crate::people_check::PeopleFinding;
 use crate::protection::CauseRecord;
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
@@ -8,10 +9,11 @@ use floorguard_types::geometry::{Point2, Twist2};
 const FAR: f32 = f32::INFINITY;
 
 /// Whether a cause holds after people were judged, for a robot that has just started and stands.
-fn judged(people: (f32, [f32; 2], f32), cause: Cause) -> Option<CauseRecord> {
+fn judged((nearest_m, soonest_s, speed_mps): (f32, [f32; 2], f32), cause: Cause) -> Option<CauseRecord> {
     let mut rig = Rig::cruising();
     let now = rig.now;
-    rig.guard.judge_people(people, 0, now);
+    let finding = PeopleFinding { nearest_m, soonest_s, ..PeopleFinding::NOBODY };
+    rig.guard.judge_people(&finding, speed_mps, (0, now));
     rig.guard.causes().find(|record| record.cause == cause).copied()
 }
 

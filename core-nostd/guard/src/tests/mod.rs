@@ -16,6 +16,7 @@ mod latches;
 mod memory;
 mod numbers;
 mod oracles;
+mod people;
 mod properties;
 mod reachable;
 mod rear;
