@@ -4,7 +4,7 @@
 use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, AdvisedPerson, Cause, CauseRecord, PersonNearness, Unit};
+use crate::protection::{Advice, Cause, CauseRecord, LikelyMotion, PeopleFinding, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
@@ -12,33 +12,6 @@ use floorguard_types::time::Stamp;
 const COLLISION_HORIZON_S: f32 = 3.0;
 /// Who is passed may be passed this many times faster than people are approached.
 const PASSING_TIMES: f32 = 5.0 / 3.0;
-/// Shares of the speed near people at which a robot may creep where it would have to stop otherwise.
-const CREEP_SHARES: [f32; 3] = [1.0, 2.0 / 3.0, 1.0 / 3.0];
-/// A speed that is not this much lower than what the robot does is no creeping.
-const SLOWER_SHARE: f32 = 0.95;
-
-/// What all people together ask for.
-#[derive(Clone, Copy, Debug)]
-pub struct PeopleFinding {
-    /// From the body to the nearest person in the way, metres.
-    pub(super) nearest_m: f32,
-    /// To the nearest one who is passed, metres.
-    pub(super) passed_m: f32,
-    /// Until the first is reached, as estimated and with doubt, seconds.
-    pub(super) soonest_s: [f32; 2],
-    /// A slower motion at which nobody is reached before the robot can stand, m/s.
-    pub(super) creep_mps: Option<f32>,
-}
-
-impl PeopleFinding {
-    /// Nobody is there.
-    pub(super) const NOBODY: Self = Self {
-        nearest_m: f32::INFINITY,
-        passed_m: f32::INFINITY,
-        soonest_s: [f32::INFINITY; 2],
-        creep_mps: None,
-    };
-}
 
 impl Supervisor {
     /// People, and what perception asks for. A non-finite number is a fault of perception, not a licence.
@@ -54,48 +27,14 @@ impl Supervisor {
                 .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
         }
         let twist = self.likely_motion();
-        let mut finding = PeopleFinding::NOBODY;
-        for person in advice.people.iter().filter(|person| person.is_finite()) {
-            self.add_person(&mut finding, person, twist);
-        }
-        finding.creep_mps = self.creep_mps(advice, twist);
+        let motion = LikelyMotion {
+            twist,
+            effective_mps: effective_speed_mps(twist, &self.config.drive),
+            now_mps: self.state.motion.fastest_mps(),
+            near_mps: self.config.thresholds.person_speed_mps,
+        };
+        let finding = PeopleFinding::of((&self.body, &self.config.drive), &advice.people, &motion);
         self.judge_people(&finding, twist.linear_mps.abs(), (age_us, now));
-    }
-
-    fn add_person(&self, finding: &mut PeopleFinding, person: &AdvisedPerson, twist: Twist2) {
-        let distance_m = self.body.distance_m(person.position);
-        match self.body.nearness(person, twist) {
-            PersonNearness::InTheWay => finding.nearest_m = finding.nearest_m.min(distance_m),
-            PersonNearness::Passed => finding.passed_m = finding.passed_m.min(distance_m),
-            PersonNearness::LeftBehind => {}
-        }
-        // Who is left behind does not hold the robot (FG-REQ-034).
-        if self.body.recedes_from(person, twist) {
-            return;
-        }
-        let times_s = self.body.times_to_person_s(person, twist);
-        for (soonest_s, time_s) in finding.soonest_s.iter_mut().zip(times_s) {
-            *soonest_s = soonest_s.min(time_s);
-        }
-    }
-
-    /// The greatest speed near people, or a share of it, at which the same curve reaches nobody before the robot can stand.
-    fn creep_mps(&self, advice: &Advice, twist: Twist2) -> Option<f32> {
-        let drive = self.config.drive;
-        let likely_mps = effective_speed_mps(twist, &drive).max(1.0e-3);
-        let now_mps = self.state.motion.fastest_mps();
-        let speeds = CREEP_SHARES.map(|share| share * self.config.thresholds.person_speed_mps);
-        speeds.into_iter().find(|speed_mps| {
-            let share = speed_mps / likely_mps;
-            let over_mps = (now_mps - speed_mps).max(0.0);
-            let braking_m = over_mps * over_mps / (2.0 * drive.braking_mps2);
-            let clear_s = drive.clear_of_people_s(*speed_mps);
-            share < SLOWER_SHARE
-                && advice.people.iter().all(|person| {
-                    let time_s = self.body.time_when_slower_s(person, (twist, share), braking_m);
-                    person.is_finite() && time_s >= clear_s
-                })
-        })
     }
 
     /// Distance and times to the person that matters most (book, Guard: Collision, FG-REQ-031, FG-REQ-032). What only

@@ -40,18 +40,22 @@ impl Body {
     }
 
     /// Seconds until a person is reached when the robot goes on along the same curve at a share of the speed; infinite when never.
-    /// `braking_m`: the way that it drives more than that while it brakes.
+    /// `farther_m`: the way that it drives more than that until it is so slow.
     #[must_use]
     pub fn time_when_slower_s(
         &self,
         person: &AdvisedPerson,
         (twist, share): (Twist2, f32),
-        braking_m: f32,
+        farther_m: f32,
     ) -> f32 {
         let slower =
             Twist2 { linear_mps: twist.linear_mps * share, angular_radps: twist.angular_radps * share };
-        let position_sigma_m = person.position_sigma_m.max(0.0) + braking_m / POSITION_SIGMAS;
+        let position_sigma_m = person.position_sigma_m.max(0.0) + farther_m / POSITION_SIGMAS;
         let nearer = AdvisedPerson { position_sigma_m, ..*person };
+        // Who goes away from the slower robot may be overtaken by the one that still brakes.
+        if farther_m > 0.0 && self.distance_m(person.position) <= PERSON_RADIUS_M + farther_m {
+            return 0.0;
+        }
         if self.recedes_from(&nearer, slower) {
             return f32::INFINITY;
         }

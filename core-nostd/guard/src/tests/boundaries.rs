@@ -1,8 +1,8 @@
 //! Decisions at exactly their limits: neither side may move by the width of a number.
 
 use super::fixtures::{Rig, forward};
-use crate::people_check::PeopleFinding;
 use crate::protection::CauseRecord;
+use crate::protection::PeopleFinding;
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 

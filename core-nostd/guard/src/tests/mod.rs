@@ -16,7 +16,6 @@ mod latches;
 mod memory;
 mod numbers;
 mod oracles;
-mod people;
 mod properties;
 mod reachable;
 mod rear;

@@ -1,7 +1,7 @@
 //! Where creeping is enough, and how people near limit the speed.
 
-use super::fixtures::{Rig, config};
 use crate::rules::PERSON_QUIET_US;
+use crate::tests::fixtures::{Rig, config};
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::random::Pcg32;
@@ -53,7 +53,13 @@ fn fg_req_032_walker_from_any_side_meets_a_stand() {
             let place = (x_m + away_x * far_m, y_m + away_y * far_m);
             let walker = person(place, (-1.6 * away_x, -1.6 * away_y));
             let [soonest_s, _] = body.times_to_person_s(&walker, twist);
-            assert!(soonest_s >= needed_s - 0.25 || stops(walker, twist), "{place:?} in {soonest_s} s");
+            let rig = met(walker, twist);
+            let stands = record(&rig, Cause::CollisionStop).is_some();
+            // A creep is enough while it leaves the time to stand from it (FG-REQ-039).
+            let creep_mps = record(&rig, Cause::CollisionSlow).map_or(0.3, |slow| slow.speed_limit_mps);
+            let [then_s, _] = body.times_to_person_s(&walker, driving(creep_mps, 0.0));
+            let creeps = creep_mps < 0.3 && then_s >= config().drive.clear_of_people_s(creep_mps);
+            assert!(soonest_s >= needed_s - 0.25 || stands || creeps, "{place:?} in {soonest_s} s");
         }
     }
 }
@@ -90,7 +96,7 @@ fn fg_req_009_stop_for_a_person_ends_after_four_sweeps() {
     assert!(PERSON_QUIET_US >= 400_000 && Cause::ScanProtective.clear() == Clear::Quiet(1_000_000));
 }
 
-/// Where the robot creeps instead of stopping, nobody is nearer than 0.2 m before it stands, should it have to stop from the creep: by true
+/// Where the robot creeps instead of stopping, nobody is nearer than the radius of a person, 0.3 m less a centimetre, before it stands, should it have to stop from the creep: by true
 /// geometry, in small steps, after its response time.
 #[test]
 fn fg_req_039_creep_leaves_time_to_stand() {
@@ -122,7 +128,7 @@ fn fg_req_039_creep_leaves_time_to_stand() {
             if speed_mps <= 0.0 {
                 break;
             }
-            assert!(gap_m > 0.2, "{gap_m} m after {time_s} s at {speed_mps} m/s: {walker:?} {twist:?}");
+            assert!(gap_m > 0.29, "{gap_m} m after {time_s} s at {speed_mps} m/s: {walker:?} {twist:?}");
             if time_s > drive.response_s {
                 speed_mps -= drive.braking_mps2 * 0.001;
             }
