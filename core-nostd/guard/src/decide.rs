@@ -1,11 +1,13 @@
 //! The decision itself: from the state, after each input, to what is permitted.
 
 use super::field_selection::{Demand, STANDING_MPS};
-use super::limiter::{body_ratio, effective_speed_mps, is_straight, lets_leave, limited};
+use super::limiter::{body_ratio, is_straight, lets_leave, limited};
 use super::machine::Verdict;
 use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
-use crate::protection::{Action, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
+use crate::protection::{
+    Action, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit, effective_speed_mps,
+};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::number::{nearest_f32, saturating_u64};
 use floorguard_types::time::Stamp;

@@ -2,9 +2,8 @@
 //! Collision, People near).
 
 use super::field_selection::STANDING_MPS;
-use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, Cause, CauseRecord, LikelyMotion, PeopleFinding, Unit};
+use crate::protection::{Advice, Cause, CauseRecord, PeopleFinding, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
@@ -27,13 +26,8 @@ impl Supervisor {
                 .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
         }
         let twist = self.likely_motion();
-        let motion = LikelyMotion {
-            twist,
-            effective_mps: effective_speed_mps(twist, &self.config.drive),
-            now_mps: self.state.motion.fastest_mps(),
-            near_mps: self.config.thresholds.person_speed_mps,
-        };
-        let finding = PeopleFinding::of((&self.body, &self.config.drive), &advice.people, &motion);
+        let motion = (twist, self.state.motion.fastest_mps());
+        let finding = PeopleFinding::of((&self.body, &self.config), &advice.people, motion);
         self.judge_people(&finding, twist.linear_mps.abs(), (age_us, now));
     }
 

@@ -51,6 +51,7 @@ pub use floor_sight::{
 };
 pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
+pub(crate) use kinematics::effective_speed_mps;
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
 pub use local_memory::{Cell, LocalMemory};
@@ -60,7 +61,7 @@ pub(crate) use memory_row::Row;
 pub use motion::Motion;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
-pub use people_finding::{LikelyMotion, PeopleFinding};
+pub use people_finding::PeopleFinding;
 pub use persistence::Persistence;
 pub use person_relation::PersonNearness;
 pub use rear_scanner::RearScanner;

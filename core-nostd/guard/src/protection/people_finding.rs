@@ -3,7 +3,8 @@
 
 use super::advice::AdvisedPerson;
 use super::collision::Body;
-use super::config::DriveLimits;
+use super::config::{DriveLimits, GuardConfig};
+use super::kinematics::effective_speed_mps;
 use super::person_relation::PersonNearness;
 use floorguard_types::geometry::Twist2;
 
@@ -11,19 +12,6 @@ use floorguard_types::geometry::Twist2;
 const CREEP_SHARES: [f32; 3] = [1.0, 2.0 / 3.0, 1.0 / 3.0];
 /// A speed that is not this much lower than what the robot does is no creeping.
 const SLOWER_SHARE: f32 = 0.95;
-
-/// A motion that people must be safe from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LikelyMotion {
-    /// What the robot does, or what it is about to begin.
-    pub twist: Twist2,
-    /// The speed that matters of it, of the rear axle or of the steered wheel, m/s.
-    pub effective_mps: f32,
-    /// The fastest that any of its sources measures now, m/s.
-    pub now_mps: f32,
-    /// The speed near people, m/s.
-    pub near_mps: f32,
-}
 
 /// What all people together ask for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,23 +28,29 @@ pub struct PeopleFinding {
 
 impl PeopleFinding {
     /// Nobody is there.
-    pub const NOBODY: Self = Self {
+    pub const NO_PEOPLE: Self = Self {
         nearest_m: f32::INFINITY,
         passed_m: f32::INFINITY,
         soonest_s: [f32::INFINITY; 2],
         creep_mps: None,
     };
 
-    /// Of all people whose numbers are finite; one that is not leaves no creep. Cost: four times to each person.
+    /// Of all people whose numbers are finite; one that is not leaves no creep. The motion is the one that people must be safe from, and
+    /// the fastest that is measured now, m/s. Cost: four times to each person.
     #[must_use]
-    pub fn of((body, drive): (&Body, &DriveLimits), people: &[AdvisedPerson], motion: &LikelyMotion) -> Self {
-        let mut finding = Self::NOBODY;
+    pub fn of(
+        (body, config): (&Body, &GuardConfig),
+        people: &[AdvisedPerson],
+        (twist, now_mps): (Twist2, f32),
+    ) -> Self {
+        let mut finding = Self::NO_PEOPLE;
         for person in people.iter().filter(|person| person.is_finite()) {
-            finding.add(body, person, motion.twist);
+            finding.add(body, person, twist);
         }
-        let speeds = CREEP_SHARES.map(|share| share * motion.near_mps);
+        let drive = &config.drive;
+        let speeds = CREEP_SHARES.map(|share| share * config.thresholds.person_speed_mps);
         finding.creep_mps = speeds.into_iter().find(|speed_mps| {
-            people.iter().all(|person| is_clear_of((body, drive), person, (motion, *speed_mps)))
+            people.iter().all(|person| is_clear_of((body, drive), person, (twist, now_mps, *speed_mps)))
         });
         finding
     }
@@ -84,13 +78,11 @@ impl PeopleFinding {
 fn is_clear_of(
     (body, drive): (&Body, &DriveLimits),
     person: &AdvisedPerson,
-    (motion, speed_mps): (&LikelyMotion, f32),
+    (twist, now_mps, speed_mps): (Twist2, f32, f32),
 ) -> bool {
-    let share = speed_mps / motion.effective_mps.max(1.0e-3);
-    let over_mps = (motion.now_mps - speed_mps).max(0.0);
+    let share = speed_mps / effective_speed_mps(twist, drive).max(1.0e-3);
+    let over_mps = (now_mps - speed_mps).max(0.0);
     let farther_m = over_mps * (drive.response_s + over_mps / (2.0 * drive.braking_mps2));
-    let time_s = body.time_when_slower_s(person, (motion.twist, share), farther_m);
-    share < SLOWER_SHARE
-        && person.is_finite()
-        && time_s >= drive.clear_of_people_s(motion.now_mps.max(speed_mps))
+    let time_s = body.time_when_slower_s(person, (twist, share), farther_m);
+    share < SLOWER_SHARE && person.is_finite() && time_s >= drive.clear_of_people_s(now_mps.max(speed_mps))
 }

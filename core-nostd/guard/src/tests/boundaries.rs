@@ -12,7 +12,7 @@ const FAR: f32 = f32::INFINITY;
 fn judged((nearest_m, soonest_s, speed_mps): (f32, [f32; 2], f32), cause: Cause) -> Option<CauseRecord> {
     let mut rig = Rig::cruising();
     let now = rig.now;
-    let finding = PeopleFinding { nearest_m, soonest_s, ..PeopleFinding::NOBODY };
+    let finding = PeopleFinding { nearest_m, soonest_s, ..PeopleFinding::NO_PEOPLE };
     rig.guard.judge_people(&finding, speed_mps, (0, now));
     rig.guard.causes().find(|record| record.cause == cause).copied()
 }

@@ -2,8 +2,9 @@
 
 use super::fixtures::{Rig, config, forward};
 use crate::field_selection::{Demand, travel_of};
-use crate::limiter::{effective_speed_mps, limited};
+use crate::limiter::limited;
 use crate::machine::DecisionMachine;
+use crate::protection::effective_speed_mps;
 use crate::protection::{CauseRecord, FaultKind, Travel, Unit};
 use crate::rules::Escape;
 use crate::source_monitor::SourceMonitor;
