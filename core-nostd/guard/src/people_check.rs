@@ -3,14 +3,12 @@
 
 use super::field_selection::STANDING_MPS;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, Cause, CauseRecord, PeopleFinding, Unit};
+use crate::protection::{Advice, Cause, CauseRecord, PASSING_TIMES, PeopleFinding, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
 /// People reached later than this do not matter yet (book, Guard: Collision), seconds.
 const COLLISION_HORIZON_S: f32 = 3.0;
-/// Who is passed may be passed this many times faster than people are approached.
-const PASSING_TIMES: f32 = 5.0 / 3.0;
 
 impl Supervisor {
     /// People, and what perception asks for. A non-finite number is a fault of perception, not a licence.

@@ -1,7 +1,7 @@
 //! Where creeping is enough, and how people near limit the speed.
 
 use crate::rules::PERSON_QUIET_US;
-use crate::tests::fixtures::{Rig, config};
+use crate::tests::fixtures::{Rig, config, met};
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::random::Pcg32;
@@ -18,17 +18,6 @@ fn person((x_m, y_m): (f32, f32), (x_mps, y_mps): (f32, f32)) -> AdvisedPerson {
 
 fn driving(linear_mps: f32, angular_radps: f32) -> Twist2 {
     Twist2 { linear_mps, angular_radps }
-}
-
-/// A robot that drives like this and has just seen a person.
-fn met(person: AdvisedPerson, twist: Twist2) -> Rig {
-    let mut rig = Rig::with(config());
-    rig.run_ms(1_500);
-    rig.guard.on_wheels(twist, rig.now, rig.now);
-    rig.guard.on_command(twist, rig.now, rig.now);
-    let people = [person].into_iter().collect();
-    rig.guard.on_advice(&Advice { stamp: rig.now, people, ..Advice::default() }, rig.now);
-    rig
 }
 
 fn record(rig: &Rig, cause: Cause) -> Option<CauseRecord> {
@@ -136,4 +125,25 @@ fn fg_req_039_creep_leaves_time_to_stand() {
         }
     }
     assert!(creeps > 50, "{creeps} creeps");
+}
+
+/// The stop that perception's broken numbers raise must not be the only one: they permit no creep.
+#[test]
+fn fg_req_039_broken_numbers_permit_no_creep() {
+    let body = Body::around(&config().footprint);
+    let far = person((30.0, 0.0), (0.0, 0.0));
+    let creep = |person: AdvisedPerson| {
+        PeopleFinding::of((&body, &config()), &[person], (driving(0.5, 0.0), 0.5)).creep_mps
+    };
+    assert_eq!(creep(far), Some(0.3));
+    let broken = [
+        AdvisedPerson { position: Point2::new(f32::NAN, 0.0), ..far },
+        AdvisedPerson { position: Point2::new(30.0, f32::INFINITY), ..far },
+        AdvisedPerson { velocity_mps: Point2::new(f32::NAN, 0.0), ..far },
+        AdvisedPerson { position_sigma_m: f32::NAN, ..far },
+        AdvisedPerson { velocity_sigma_mps: f32::NAN, ..far },
+    ];
+    for person in broken {
+        assert_eq!(creep(person), None, "{person:?}");
+    }
 }

@@ -63,7 +63,7 @@ pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use people_finding::PeopleFinding;
 pub use persistence::Persistence;
-pub use person_relation::PersonNearness;
+pub use person_relation::{PASSING_TIMES, PersonNearness};
 pub use rear_scanner::RearScanner;
 pub use record::{CauseRecord, Unit};
 pub use reset::{ResetRefusal, ResetReport};

@@ -10,6 +10,9 @@ use floorguard_types::geometry::Twist2;
 /// A gap that grows faster than this, one standard deviation of the velocity taken off, grows, m/s.
 const PARTS_MPS: f32 = 0.1;
 
+/// Who is passed may be passed this many times faster than people are approached (book, Guard: People near).
+pub const PASSING_TIMES: f32 = 5.0 / 3.0;
+
 /// How a person near the body limits the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PersonNearness {

@@ -3,7 +3,7 @@
 //! The rules are the guard's (book, Guard: Collision): somebody near limits the speed, and nobody may be reached sooner than the
 //! robot can stand. People are where they will be by then. An answer is a forecast; the guard decides.
 
-use floorguard_guard::{AdvisedPerson, Body, DriveLimits, PersonNearness, Thresholds};
+use floorguard_guard::{AdvisedPerson, Body, DriveLimits, PASSING_TIMES, PersonNearness, Thresholds};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{MovingPerson, Permission, PermittedMotion, PlannedMotion};
@@ -18,9 +18,7 @@ const REACH_M: f32 = 6.0;
 const DEVIATION_MAX_M: f32 = 0.15;
 /// How long a stop for a person holds the robot: four sweeps after the last evidence, and what the guard sees of it late, seconds.
 const HELD_S: f32 = 0.7;
-/// Who is passed may be passed this many times faster than people are approached, and the share of that speed at which the robot
-/// creeps where it would have to stop otherwise.
-const PASSING_TIMES: f32 = 5.0 / 3.0;
+/// Share of the speed near people at which the robot creeps where it would have to stop otherwise.
 const CREEP_SHARE: f32 = 1.0 / 3.0;
 /// From this speed on the guard judges people by what the robot does; below by a slow start of what it requests, m/s.
 const STARTED_MPS: f32 = 0.05;
@@ -93,11 +91,12 @@ impl GuardModel {
         }
         let radius_m = PERSON_RADIUS_M + 2.0 * person.position_sigma_m;
         let speed_mps = twist.linear_mps.abs();
+        // Also a robot that slows down must be able to stand from the speed that it has.
+        let clear_s = self.drive.clear_of_people_s(speed_mps);
         let meets_at = |at_mps: f32| {
             let share = (at_mps / speed_mps.max(1.0e-3)).min(1.0);
             let velocity = person.velocity_mps;
             let relative = Point2::new(velocity.x_m - share * twist.linear_mps, velocity.y_m);
-            let clear_s = self.drive.clear_of_people_s(at_mps);
             comes_near(&self.body, (person.position, relative), (radius_m, clear_s))
         };
         let creep_mps = CREEP_SHARE * self.thresholds.person_speed_mps;
