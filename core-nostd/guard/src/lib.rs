@@ -32,9 +32,6 @@ mod limiter;
 mod machine;
 mod motion_checks;
 mod packet_check;
-mod people_check;
-#[cfg(test)]
-mod people_tests;
 pub mod protection;
 mod reset_answer;
 mod rules;

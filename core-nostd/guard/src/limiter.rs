@@ -1,11 +1,17 @@
 //! From the wanted command to the permitted one: the same curve, never faster.
 
 use super::rules::Escape;
-use crate::protection::{Action, Cause, DriveLimits, effective_speed_mps};
+use crate::protection::{Action, Cause, DriveLimits};
 use floorguard_types::geometry::Twist2;
 
 /// Turning slower than this is driving straight, rad/s: only that may leave an obstacle.
 const STRAIGHT_RADPS: f32 = 0.02;
+
+/// The speed that matters of a motion, m/s: of the rear axle, or of the steered wheel where it turns on the spot.
+#[must_use]
+pub fn effective_speed_mps(twist: Twist2, drive: &DriveLimits) -> f32 {
+    twist.linear_mps.abs().max((twist.angular_radps * drive.wheelbase_m).abs())
+}
 
 /// How many times faster than the effective speed the fastest point of the body goes, at least 1. One number for all
 /// commands of a curve, because both speeds scale with the command.

@@ -5,8 +5,6 @@ use crate::protection::{Action, Cause, Source};
 /// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (book, Guard: Causes,
 /// FG-REQ-009).
 pub const STOP_QUIET_US: u64 = 1_000_000;
-/// The same for a stop for a person: four sweeps that show each that nobody is in the way any more (FG-REQ-009).
-pub const PERSON_QUIET_US: u64 = 400_000;
 /// The same for a limit: long enough that a flicker of the evidence does not shake the robot.
 pub const LIMIT_QUIET_US: u64 = 500_000;
 
@@ -83,7 +81,6 @@ impl Cause {
             | Self::DriveFault
             | Self::ClockFault
             | Self::SourceLost(Source::Discrete | Source::Drive) => Clear::Reset,
-            Self::CollisionStop => Clear::Quiet(PERSON_QUIET_US),
             _ if matches!(self.action(), Action::Limit) => Clear::Quiet(LIMIT_QUIET_US),
             _ => Clear::Quiet(STOP_QUIET_US),
         }

@@ -2,10 +2,11 @@
 //! FG-REQ-028).
 
 use super::field_selection::STANDING_MPS;
+use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
 use crate::protection::{
     Body, Cause, CauseRecord, Cell, GuardConfig, LidarRays, LocalMemory, REACTION_S, STANDOFF_M, Sight,
-    Stopping, Sweep, effective_speed_mps, fastest_mps,
+    Stopping, Sweep, fastest_mps,
 };
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};

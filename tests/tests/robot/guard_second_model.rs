@@ -74,12 +74,7 @@ impl Model {
             } else if Self::needs_operator(*cause) {
                 !released
             } else {
-                let wait = match cause {
-                    // A person walks on: four sweeps without evidence (FG-REQ-009).
-                    Cause::CollisionStop => 400_000,
-                    cause if cause.action().stops() => 1_000_000,
-                    _ => 500_000,
-                };
+                let wait = if cause.action().stops() { 1_000_000 } else { 500_000 };
                 now - at < wait
             }
         });

@@ -1,7 +1,4 @@
-//! Braking and field length (book, Guard: Field length), and the speed that matters.
-
-use super::config::DriveLimits;
-use floorguard_types::geometry::Twist2;
+//! Braking and field length (book, Guard: Field length).
 
 /// Distance until standstill, metres: `v·t_r + ½·a·t_r² + (v + a·t_r)²/(2·b)`; the middle and the sum cover a robot
 /// that still accelerates while the response time runs. Infinite when the braking is not positive.
@@ -36,10 +33,4 @@ pub fn stop_distance_m(speed_mps: f32, response_s: f32, acceleration_mps2: f32, 
 #[must_use]
 pub fn field_length_m(speed_mps: f32, response_s: f32, braking_mps2: f32, supplements_m: f32) -> f32 {
     stop_distance_m(speed_mps, response_s, 0.0, braking_mps2) + supplements_m
-}
-
-/// The speed that matters of a motion, m/s: of the rear axle, or of the steered wheel where it turns on the spot.
-#[must_use]
-pub fn effective_speed_mps(twist: Twist2, drive: &DriveLimits) -> f32 {
-    twist.linear_mps.abs().max((twist.angular_radps * drive.wheelbase_m).abs())
 }

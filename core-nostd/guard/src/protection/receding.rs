@@ -72,7 +72,7 @@ impl Body {
     }
 
     /// How fast the person comes nearer to the nearest point of the body, as both move, times the gap, m²/s.
-    pub(super) fn closing_m2ps(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
+    fn closing_m2ps(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
         let (place, offset) = (person.position, self.offset(person.position));
         let nearest = [place.x_m - offset.x_m, place.y_m - offset.y_m];
         let along_mps = person.velocity_mps.x_m - twist.linear_mps + twist.angular_radps * nearest[1];

@@ -2,18 +2,16 @@
 
 use super::fixtures::{Rig, forward};
 use crate::protection::CauseRecord;
-use crate::protection::PeopleFinding;
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 
 const FAR: f32 = f32::INFINITY;
 
 /// Whether a cause holds after people were judged, for a robot that has just started and stands.
-fn judged((nearest_m, soonest_s, speed_mps): (f32, [f32; 2], f32), cause: Cause) -> Option<CauseRecord> {
+fn judged(people: (f32, [f32; 2], f32), cause: Cause) -> Option<CauseRecord> {
     let mut rig = Rig::cruising();
     let now = rig.now;
-    let finding = PeopleFinding { nearest_m, soonest_s, ..PeopleFinding::NO_PEOPLE };
-    rig.guard.judge_people(&finding, speed_mps, (0, now));
+    rig.guard.judge_people(people, 0, now);
     rig.guard.causes().find(|record| record.cause == cause).copied()
 }
 

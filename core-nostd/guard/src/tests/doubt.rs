@@ -2,13 +2,18 @@
 
 use proptest::prelude::*;
 
-use super::fixtures::{config, met};
+use super::fixtures::{Rig, config};
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 
 /// How strongly a robot with this motion is held back by one person: the action, and the speed that is left, m/s.
 fn protection(person: AdvisedPerson, twist: Twist2) -> (Action, f32) {
-    let rig = met(person, twist);
+    let mut rig = Rig::with(config());
+    rig.run_ms(1_500);
+    rig.guard.on_wheels(twist, rig.now, rig.now);
+    rig.guard.on_command(twist, rig.now, rig.now);
+    let people = [person].into_iter().collect();
+    rig.guard.on_advice(&Advice { stamp: rig.now, people, ..Advice::default() }, rig.now);
     let about_people =
         |cause| matches!(cause, Cause::PersonNear | Cause::CollisionStop | Cause::CollisionSlow);
     let held = rig.guard.causes().filter(|record| about_people(record.cause));

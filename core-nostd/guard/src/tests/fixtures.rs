@@ -273,14 +273,3 @@ impl Rig {
         }
     }
 }
-
-/// A robot that drives like this and has just seen a person.
-pub fn met(person: AdvisedPerson, twist: Twist2) -> Rig {
-    let mut rig = Rig::with(config());
-    rig.run_ms(1_500);
-    rig.guard.on_wheels(twist, rig.now, rig.now);
-    rig.guard.on_command(twist, rig.now, rig.now);
-    let people = [person].into_iter().collect();
-    rig.guard.on_advice(&Advice { stamp: rig.now, people, ..Advice::default() }, rig.now);
-    rig
-}

@@ -2,9 +2,8 @@
 
 use super::fixtures::{Rig, config, forward};
 use crate::field_selection::{Demand, travel_of};
-use crate::limiter::limited;
+use crate::limiter::{effective_speed_mps, limited};
 use crate::machine::DecisionMachine;
-use crate::protection::effective_speed_mps;
 use crate::protection::{CauseRecord, FaultKind, Travel, Unit};
 use crate::rules::Escape;
 use crate::source_monitor::SourceMonitor;
@@ -51,7 +50,7 @@ fn fg_req_031_speed_towards_people_follows_the_formula() {
     assert!(near(slow.measured, time_s) && near(slow.limit, 3.0) && slow.unit == Unit::Seconds);
     let expected_mps = 0.9 * (time_s - stop_s) / (3.0 - stop_s);
     assert!(near(slow.speed_limit_mps, expected_mps), "{} {expected_mps}", slow.speed_limit_mps);
-    let stop = after_advice(&mut rig, person(2.4, 0.0, -1.0), Cause::CollisionStop).expect("stops");
+    let stop = after_advice(&mut rig, person(3.0, 0.0, -1.0), Cause::CollisionStop).expect("stops");
     assert!(near(stop.limit, stop_s) && stop.measured < stop_s, "{stop:?}");
 }
 

@@ -219,10 +219,10 @@ fn fg_req_031_person_near_limits_person_on_path_stops() {
         velocity_sigma_mps: 0.05,
     };
     let mut rig = Rig::cruising();
-    rig.people.push(person(2.0, 0.0));
+    rig.people.push(person(2.0, 0.8));
     assert!(rig.run_ms(1_500).permitted.linear_mps <= 0.3 + 1.0e-6);
     let mut rig = Rig::cruising();
-    rig.people.push(person(2.4, -1.2));
+    rig.people.push(person(3.0, -1.2));
     let decision = rig.run_ms(150);
     assert!(
         stopped(&decision) && decision.primary_cause.unwrap().cause == Cause::CollisionStop,

@@ -22,8 +22,7 @@ fn fg_req_002_every_cause_has_its_slot_and_its_action() {
         assert_eq!(cause.index(), index, "{cause:?}");
         let is_limit = cause.action() == Action::Limit;
         assert_eq!(is_limit, matches!(cause.clear(), Clear::Quiet(500_000)), "{cause:?}");
-        let least_us = if cause == Cause::CollisionStop { 400_000 } else { 1_000_000 };
-        let stops_by_itself = !is_limit && matches!(cause.clear(), Clear::Quiet(us) if us >= least_us);
+        let stops_by_itself = matches!(cause.clear(), Clear::Quiet(us) if us >= 1_000_000);
         assert!(
             is_limit
                 || stops_by_itself

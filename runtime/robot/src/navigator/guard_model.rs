@@ -3,7 +3,7 @@
 //! The rules are the guard's (book, Guard: Collision): somebody near limits the speed, and nobody may be reached sooner than the
 //! robot can stand. People are where they will be by then. An answer is a forecast; the guard decides.
 
-use floorguard_guard::{AdvisedPerson, Body, DriveLimits, PASSING_TIMES, PersonNearness, Thresholds};
+use floorguard_guard::{AdvisedPerson, Body, DriveLimits, Thresholds};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{MovingPerson, Permission, PermittedMotion, PlannedMotion};
@@ -16,10 +16,8 @@ const PEOPLE_MAX: usize = 6;
 const REACH_M: f32 = 6.0;
 /// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
 const DEVIATION_MAX_M: f32 = 0.15;
-/// How long a stop for a person holds the robot: four sweeps after the last evidence, and what the guard sees of it late, seconds.
-const HELD_S: f32 = 0.7;
-/// Share of the speed near people at which the robot creeps where it would have to stop otherwise.
-const CREEP_SHARE: f32 = 1.0 / 3.0;
+/// How long a stop for a person holds the robot: until a second after the last evidence, and what the guard sees of it late, seconds.
+const HELD_S: f32 = 1.3;
 /// From this speed on the guard judges people by what the robot does; below by a slow start of what it requests, m/s.
 const STARTED_MPS: f32 = 0.05;
 
@@ -63,51 +61,6 @@ impl GuardModel {
     }
 }
 
-/// Whether a motion would reach a person before the robot can stand.
-enum Meeting {
-    Never,
-    /// Not at this speed, m/s.
-    UnlessSlow(f32),
-    Soon,
-}
-
-impl GuardModel {
-    /// The limit near a person, m/s.
-    fn near_limit_mps(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
-        let thresholds = &self.thresholds;
-        if self.body.distance_m(person.position) >= thresholds.person_near_m {
-            return f32::INFINITY;
-        }
-        match self.body.nearness(person, twist) {
-            PersonNearness::LeftBehind => f32::INFINITY,
-            PersonNearness::Passed => PASSING_TIMES * thresholds.person_speed_mps,
-            PersonNearness::InTheWay => thresholds.person_speed_mps,
-        }
-    }
-
-    fn meeting(&self, person: &AdvisedPerson, twist: Twist2) -> Meeting {
-        if self.body.recedes_from(person, twist) {
-            return Meeting::Never;
-        }
-        let radius_m = PERSON_RADIUS_M + 2.0 * person.position_sigma_m;
-        let speed_mps = twist.linear_mps.abs();
-        // Also a robot that slows down must be able to stand from the speed that it has.
-        let clear_s = self.drive.clear_of_people_s(speed_mps);
-        let meets_at = |at_mps: f32| {
-            let share = (at_mps / speed_mps.max(1.0e-3)).min(1.0);
-            let velocity = person.velocity_mps;
-            let relative = Point2::new(velocity.x_m - share * twist.linear_mps, velocity.y_m);
-            comes_near(&self.body, (person.position, relative), (radius_m, clear_s))
-        };
-        let creep_mps = CREEP_SHARE * self.thresholds.person_speed_mps;
-        match meets_at(speed_mps) {
-            false => Meeting::Never,
-            true if speed_mps > creep_mps && !meets_at(creep_mps) => Meeting::UnlessSlow(creep_mps),
-            true => Meeting::Soon,
-        }
-    }
-}
-
 impl PermittedMotion for GuardModel {
     /// Cost: a few products a person, six people at most.
     fn permission(&self, motion: PlannedMotion) -> Permission {
@@ -119,6 +72,7 @@ impl PermittedMotion for GuardModel {
         let pose = motion.pose_in_map;
         let (sin, cos) = libm::sincosf(pose.heading_rad);
         let turned = |x_m: f32, y_m: f32| Point2::new(cos * x_m + sin * y_m, cos * y_m - sin * x_m);
+        let clear_s = self.drive.clear_of_people_s(twist.linear_mps.abs());
         for person in &self.people {
             let velocity = person.velocity_in_map_mps;
             let then = Point2::new(
@@ -126,19 +80,25 @@ impl PermittedMotion for GuardModel {
                 person.position_in_map.y_m + velocity.y_m * motion.in_s,
             );
             let in_base = turned(then.x_m - pose.x_m, then.y_m - pose.y_m);
+            let gap_m = self.body.distance_m(in_base);
+            if gap_m < self.thresholds.person_near_m {
+                permission.speed_limit_mps = permission.speed_limit_mps.min(self.thresholds.person_speed_mps);
+            }
+            let velocity_mps = turned(velocity.x_m, velocity.y_m);
+            let position_sigma_m = person.position_deviation_m.min(DEVIATION_MAX_M);
             let advised = AdvisedPerson {
                 position: in_base,
-                velocity_mps: turned(velocity.x_m, velocity.y_m),
-                position_sigma_m: person.position_deviation_m.min(DEVIATION_MAX_M),
+                velocity_mps,
+                position_sigma_m,
                 ..AdvisedPerson::default()
             };
-            permission.speed_limit_mps = permission.speed_limit_mps.min(self.near_limit_mps(&advised, twist));
-            match self.meeting(&advised, twist) {
-                Meeting::Never => {}
-                Meeting::UnlessSlow(creep_mps) => {
-                    permission.speed_limit_mps = permission.speed_limit_mps.min(creep_mps);
-                }
-                Meeting::Soon => return Permission { speed_limit_mps: 0.0, held_s: HELD_S },
+            if self.body.recedes_from(&advised, twist) {
+                continue;
+            }
+            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
+            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
+            if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
+                return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
             }
         }
         permission
