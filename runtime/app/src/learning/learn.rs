@@ -21,7 +21,8 @@ pub struct LearnArguments {
     /// all.floorguard`. A model that is there already under that name is replaced.
     #[arg(long, num_args = 1.., value_name = "MODEL", conflicts_with_all = ["tracks", "start", "format", "rate"])]
     pub merge: Vec<PathBuf>,
-    /// Recorded tracks, .gz or not: the layouts of ETH, L-CAS and HERMES, or a table time_s,id,x_m,y_m.
+    /// Recorded tracks, .gz or not: the layouts of ETH, UCY, L-CAS and HERMES, a table whose heading names time_s or frame,
+    /// id, x_m and y_m (or as OpenTraj names them), or JSON with these names.
     pub tracks: Vec<PathBuf>,
     /// The model.
     #[command(flatten)]

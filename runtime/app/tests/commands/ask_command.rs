@@ -153,3 +153,39 @@ fn real_recordings_become_models_and_pictures() {
         assert!(answer["details"]["places"].as_array().unwrap().len() >= places, "{file}: {answer}");
     }
 }
+
+/// One person who walks for 40 s, in the layouts that others write.
+#[test]
+fn tables_and_json_teach_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut table, mut frames, mut json) = (
+        String::from("scene_id,agent_id,frame_id,pos_x,pos_y,timestamp\n"),
+        String::from("frame,id,x,y\n"),
+        String::from("[\n"),
+    );
+    for step in 0..100 {
+        let (seconds, x_m) = (0.4 * f64::from(step), 0.05 * f64::from(step));
+        let _infallible = writeln!(table, "hall,3,{},{x_m},1.0,{seconds}", 10 * step);
+        let _infallible = writeln!(frames, "{},3,{x_m},1.0", 10 * step);
+        let comma = if step == 0 { "" } else { ",\n" };
+        let _infallible = write!(json, "{comma}{{\"t\": {seconds}, \"id\": 3, \"x\": {x_m}, \"y\": 1.0}}");
+    }
+    json.push_str("\n]\n");
+    let learned = |name: &str, text: &str, more: &[&str]| {
+        let (tracks, model) = (folder.path().join(name), folder.path().join(format!("{name}.model")));
+        std::fs::write(&tracks, text).unwrap();
+        let (tracks, model) = (tracks.display().to_string(), model.display().to_string());
+        let learn = ["learn", "--model", &model, &tracks, "--start", "2026-04-06T12:05"];
+        let output = floorguard(&[&learn, more].concat());
+        (output.status.code(), stderr_text(&output))
+    };
+    let summary = "1 people, 100 positions, 40 s";
+    let opentraj = learned("opentraj.csv", &table, &[]);
+    assert!(opentraj.0 == Some(0) && opentraj.1.contains(summary), "{opentraj:?}");
+    let json = learned("tracks.json", &json, &[]);
+    assert!(json.0 == Some(0) && json.1.contains(summary), "{json:?}");
+    let (code, error) = learned("frames.csv", &frames, &[]);
+    assert!(code == Some(3) && error.contains("give --rate"), "{code:?} {error}");
+    let frames = learned("frames.csv", &frames, &["--rate", "25"]);
+    assert!(frames.0 == Some(0) && frames.1.contains(summary), "{frames:?}");
+}

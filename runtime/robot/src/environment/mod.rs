@@ -14,6 +14,7 @@ mod sight;
 mod store;
 mod teach;
 mod tracks;
+mod tracks_named;
 mod zones;
 
 pub use answer::{Answer, answer};

@@ -1,4 +1,4 @@
-//! Reads recorded tracks of people: the layouts of the ETH, L-CAS and HERMES recordings, and a plain table.
+//! Reads recorded tracks of people: the layouts of the ETH, L-CAS and HERMES recordings, plain tables and JSON.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,6 +7,8 @@ use anyhow::{Context, bail, ensure};
 use floorguard_types::geometry::Point2;
 
 use floorguard_host::packing;
+
+use super::tracks_named::{self, NamedRows};
 
 /// How a file is laid out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -22,8 +24,13 @@ pub enum TrackFormat {
     Lcas,
     /// Id, frame, x, y, z, centimetres; 16 frames a second.
     Hermes,
-    /// `time_s,id,x_m,y_m` with a heading.
+    /// Seconds, id, x, y, metres, separated by commas.
     Csv,
+    /// A table whose heading names its columns, as OpenTraj writes it: `timestamp` or `frame_id`, `agent_id`, `pos_x`, `pos_y`;
+    /// or `time_s`, `id`, `x_m`, `y_m`; metres. Frames need `--rate`.
+    Table,
+    /// JSON objects with these names, in a list or one a line, or people with a list of points each; metres.
+    Json,
 }
 
 impl TrackFormat {
@@ -35,13 +42,13 @@ impl TrackFormat {
             Self::EthUcy => 25.0,
             Self::Lcas => 2.5,
             Self::Hermes => 16.0,
-            Self::Auto | Self::Csv => 1.0,
+            Self::Auto | Self::Csv | Self::Table | Self::Json => 1.0,
         }
     }
 
-    /// The option `--rate` applies: the file counts frames.
-    const fn counts_frames(self) -> bool {
-        !matches!(self, Self::Auto | Self::Csv)
+    /// Moments are frames, whatever the file tells.
+    const fn in_frames(self) -> bool {
+        matches!(self, Self::Eth | Self::EthUcy | Self::Lcas | Self::Hermes)
     }
 }
 
@@ -125,11 +132,22 @@ pub fn read_tracks(path: &Path, reading: TrackReading) -> anyhow::Result<ReadTra
     let TrackReading { format, frames_per_second } = reading;
     let format =
         if format == TrackFormat::Auto { guess(&text).with_context(|| format!("{name}"))? } else { format };
-    if let Some(rate) = frames_per_second {
-        ensure!(format.counts_frames(), "{name}: it has seconds; leave --rate out");
-        ensure!((0.1..=1_000.0).contains(&rate), "--rate {rate}: give 0.1 to 1000 frames a second");
+    let NamedRows { rows, in_frames } = match format {
+        TrackFormat::Table => tracks_named::table(&text),
+        TrackFormat::Json => tracks_named::json(&text),
+        _ => rows(&text, format).map(|rows| NamedRows { rows, in_frames: format.in_frames() }),
     }
-    let rows = rows(&text, format).with_context(|| format!("{name}"))?;
+    .with_context(|| format!("{name}"))?;
+    match frames_per_second {
+        Some(rate) => {
+            ensure!(in_frames, "{name}: it has seconds; leave --rate out");
+            ensure!((0.1..=1_000.0).contains(&rate), "--rate {rate}: give 0.1 to 1000 frames a second");
+        }
+        None => ensure!(
+            !in_frames || format.in_frames(),
+            "{name}: it counts frames and does not tell how many a second: give --rate"
+        ),
+    }
     let frames_per_second = frames_per_second.unwrap_or_else(|| frame_rate(&rows, format));
     let recording = recording(&rows, frames_per_second).with_context(|| format!("{name}"))?;
     ensure!(!recording.moments.is_empty(), "{name}: no tracks in it");
@@ -141,7 +159,9 @@ fn guess(text: &str) -> anyhow::Result<TrackFormat> {
         text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).context("it is empty")?;
     let columns = line.split_whitespace().count();
     Ok(match line.trim_start().chars().next() {
-        Some('{') => TrackFormat::Lcas,
+        Some('{') if text.contains("\"track\"") => TrackFormat::Lcas,
+        Some('{' | '[') => TrackFormat::Json,
+        _ if tracks_named::is_heading(line) => TrackFormat::Table,
         _ if line.contains(',') => TrackFormat::Csv,
         _ if columns == 8 => TrackFormat::Eth,
         _ if columns == 5 => TrackFormat::Hermes,
@@ -152,13 +172,13 @@ fn guess(text: &str) -> anyhow::Result<TrackFormat> {
 
 /// One line of a file.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+pub(super) struct Row {
     /// Frame, or seconds.
-    frame: f64,
-    id: u64,
-    position: Point2,
+    pub frame: f64,
+    pub id: u64,
+    pub position: Point2,
     /// Metres a second, where the layout has it.
-    speed_mps: Option<f64>,
+    pub speed_mps: Option<f64>,
 }
 
 fn rows(text: &str, format: TrackFormat) -> anyhow::Result<Vec<Row>> {
@@ -237,7 +257,8 @@ fn recording(rows: &[Row], frames_per_second: f64) -> anyhow::Result<Recording> 
     Ok(recording)
 }
 
-fn checked(frame: f64, id: f64, x_m: f64, y_m: f64) -> anyhow::Result<Row> {
+/// A row within sane limits.
+pub(super) fn checked(frame: f64, id: f64, x_m: f64, y_m: f64) -> anyhow::Result<Row> {
     ensure!([frame, id, x_m, y_m].iter().all(|value| value.is_finite()), "a number is not finite");
     ensure!((0.0..9.0e15).contains(&id), "the id {id} is out of range");
     ensure!(x_m.abs() < 1.0e5 && y_m.abs() < 1.0e5, "the position {x_m}, {y_m} is out of range");
@@ -296,7 +317,7 @@ mod tests {
         assert_eq!(point(lcas, TrackFormat::Lcas), (400_000, 5, 1.5, -2.0));
         let hermes = "1 84 154.0 679.0 175.4\n1 100 150.0 650.0 175.4\n";
         assert_eq!(point(hermes, TrackFormat::Hermes), (1_000_000, 1, 1.5, 6.5));
-        let csv = "time_s,id,x_m,y_m\n10.5,3,1,2\n11,3,1.5,2\n";
+        let csv = "10.5,3,1,2\n11,3,1.5,2\n";
         assert_eq!(point(csv, TrackFormat::Csv), (500_000, 3, 1.5, 2.0));
     }
 

@@ -74,7 +74,7 @@ pub fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Page> {
     if let Some(page) = lines::tracks(file) {
         return Ok(page);
     }
-    let known = "recordings and bags (MCAP), captures (pcap), laser logs (CARMEN), tracks (ETH, UCY, L-CAS, HERMES, CSV), \
+    let known = "recordings and bags (MCAP), captures (pcap), laser logs (CARMEN), tracks (ETH, UCY, L-CAS, HERMES, tables with a heading, JSON), \
                  point clouds (PLY, PCD), candump, and the bytes of an MTi or S300";
     Err(BadInput(format!("{}: nothing that we know; known are {known}", file.display())).into())
 }
