@@ -90,13 +90,15 @@ const SWEEPS_MAX: usize = 108_000;
 /// Which sweep comes when: forth, back, and forth again, in steps as long as they were. Nobody leaps where it turns.
 fn forth_and_back(sweeps: &[Box<Sweep>], minutes: f32) -> Vec<(usize, Stamp)> {
     let Some(first) = sweeps.first() else { return Vec::new() };
+    // In a single revolution time stands still: played again it tells nothing more.
+    let minutes = if sweeps.len() > 1 { minutes } else { 0.0 };
     let back = (1..sweeps.len().saturating_sub(1)).rev();
     let (mut order, mut now, mut before) = (Vec::new(), first.end_stamp, first.end_stamp);
     for index in (0..sweeps.len()).chain(back).cycle() {
         let stamp = sweeps[index].end_stamp;
         now = now.plus_micros(before.past_us(stamp).max(stamp.past_us(before)));
         before = stamp;
-        let is_over = now.seconds_since(first.end_stamp) > 60.0 * minutes || order.len() >= SWEEPS_MAX;
+        let is_over = now.seconds_since(first.end_stamp) >= 60.0 * minutes || order.len() >= SWEEPS_MAX;
         if order.len() >= sweeps.len() && is_over {
             break;
         }
@@ -260,4 +262,89 @@ fn pairs(people: &[(u64, Point2)], claims: &[(u64, Point2)]) -> Vec<(usize, usiz
         }
     }
     pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::train::{SceneRun, play};
+    use floorguard_sim::Scenario;
+
+    /// Sweeps of a simulated room that are played again and again.
+    const SWEEPS: usize = 60;
+    /// Nobody has been seen often enough before, frames.
+    const NEW_FRAMES: u64 = 20;
+
+    /// A room in which people stand, among furniture, and nobody moves.
+    const ROOM: &str = r#"
+title = "people who stand"
+[scene]
+wall = [
+    { from_m = [-8.0, -6.0], to_m = [8.0, -6.0], height_m = 3.0 },
+    { from_m = [8.0, -6.0], to_m = [8.0, 6.0], height_m = 3.0 },
+    { from_m = [8.0, 6.0], to_m = [-8.0, 6.0], height_m = 3.0 },
+    { from_m = [-8.0, 6.0], to_m = [-8.0, -6.0], height_m = 3.0 },
+]
+furniture = [
+    { kind = "shelf", at_m = [4.0, 4.6], size_m = [3.0, 0.5], height_m = 1.8 },
+    { kind = "box", at_m = [-4.0, 4.0], size_m = [0.8, 0.6], height_m = 0.9 },
+]
+[[person]]
+kind = "adult"
+at_m = [3.0, 0.5]
+speed_mps = 0.0
+[[person]]
+kind = "adult"
+at_m = [5.0, -2.5]
+speed_mps = 0.0
+[[person]]
+kind = "adult"
+at_m = [-2.5, -3.0]
+speed_mps = 0.0
+[[person]]
+kind = "adult"
+at_m = [2.0, 3.2]
+speed_mps = 0.0
+[[person]]
+kind = "child"
+at_m = [1.5, -2.0]
+speed_mps = 0.0
+"#;
+
+    fn standing_people() -> (Vec<Box<Sweep>>, Vec<KeyRow>) {
+        let scenario = Scenario::from_toml(ROOM).expect("a room");
+        let run = SceneRun { scenario, seed: 1, scale: 1.0, sensor_height_m: 0.8, starts_us: 200_000 };
+        let (mut sweeps, mut key) = (Vec::new(), Vec::new());
+        play(&run, (SWEEPS, 1), &mut |labelled| {
+            let frame = sweeps.len() as u64;
+            let mount = labelled.sensor_in_base.translation;
+            key.extend(labelled.people.iter().map(|(id, _, place)| KeyRow {
+                frame,
+                time_s: 0.1 * frame as f64,
+                track: u64::from(*id),
+                position: Point2::new(place.x_m - mount.x_m, place.y_m - mount.y_m),
+                is_last: false,
+                walking: false,
+            }));
+            sweeps.push(labelled.sweep);
+        });
+        (sweeps, key)
+    }
+
+    #[test]
+    fn who_stands_twenty_minutes_stays_a_person() {
+        let (sweeps, key) = standing_people();
+        let report = judge(&sweeps, &key, 20.0);
+        assert!(report.seconds > 1_190.0, "{report:?}");
+        let allowed = 1.0 - 2.0 * NEW_FRAMES as f64 / report.sweeps as f64;
+        assert!(report.key_claimed.is_some_and(|share| share > allowed), "{report:?}");
+        assert_eq!(report.switches, 0, "{report:?}");
+    }
+
+    #[test]
+    fn single_revolution_is_played_once() {
+        let (sweeps, key) = standing_people();
+        let report = judge(&sweeps[..1], &key[..5], 20.0);
+        assert_eq!(report.sweeps, 1);
+    }
 }
