@@ -73,8 +73,20 @@ impl JobWatch {
 
     /// The place that it is on its way to, world frame, metres.
     pub(crate) fn next_place(&self) -> Option<[f32; 2]> {
+        self.place(self.next)
+    }
+
+    /// The place that counted last, while the robot is near to it: places count from afar, and a robot that has to come nearer is still
+    /// on its way there.
+    pub(crate) fn place_nearby(&self, pose: RobotPose) -> Option<[f32; 2]> {
+        let place = self.place(self.next.checked_sub(1)?)?;
+        let [x, y] = place;
+        (libm::hypotf(x - pose.x_m, y - pose.y_m) < REACHED_M).then_some(place)
+    }
+
+    fn place(&self, index: usize) -> Option<[f32; 2]> {
         match &self.job {
-            Job::Route(places) => places.get(self.next).copied(),
+            Job::Route(places) => places.get(index).copied(),
             Job::None | Job::Mission => None,
         }
     }
@@ -112,6 +124,7 @@ mod tests {
         watch.observe(0.0, pose(0.0));
         watch.observe(5.0, pose(2.9));
         assert_eq!(watch.next_place(), Some([0.0, 0.0]));
+        assert_eq!((watch.place_nearby(pose(2.9)), watch.place_nearby(pose(2.0))), (Some([3.0, 0.0]), None));
         assert_eq!(watch.outcome(None, None), JobOutcome::OnItsWay);
         watch.observe(20.0, pose(2.9));
         assert_eq!(watch.outcome(None, None), JobOutcome::Undone);

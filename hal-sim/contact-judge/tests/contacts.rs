@@ -257,3 +257,18 @@ fn a_robot_that_stands_about_does_not_pass() {
     assert!(held.passed, "{held:?}");
     assert_eq!(drive(idle, 12.0, straight(0.5), no_people).job, JobOutcome::Done);
 }
+
+/// It stands 0.6 m before a place, which counts, and the next one lies behind it: what stands before the middle of the place is in its way
+/// all the same, and what stands beyond the place is not.
+#[test]
+fn a_place_that_counts_may_be_closed() {
+    let stops_at =
+        |at_s: f32| RobotMotion { forward_mps: if at_s < 4.8 { 0.5 } else { 0.0 }, turn_radps: 0.0 };
+    let job = |wall_m: f32| {
+        let mut held = setup(vec![block("wall", [wall_m, 0.0], [0.1, 4.0], [0.0, 2.0])]);
+        held.job = Job::Route(vec![[3.0, 0.0], [-5.0, 0.0]]);
+        drive(held, 20.0, stops_at, no_people).job
+    };
+    assert_eq!(job(3.9), JobOutcome::Blocked("wall".into()));
+    assert_eq!(job(4.5), JobOutcome::Undone);
+}

@@ -93,14 +93,24 @@ impl ContactJudge {
         })
     }
 
-    /// What stands within the next metres of the way, if anything does.
+    /// What stands within the next metres of the way to one of the places ahead, if anything does.
     pub(super) fn blocked(&self) -> Option<String> {
         let pose = self.track.last()?.pose;
-        let heading_rad =
-            self.job.next_place().map_or(pose.heading_rad, |[x, y]| libm::atan2f(y - pose.y_m, x - pose.x_m));
+        let way_to = |[x, y]: [f32; 2]| (libm::atan2f(y - pose.y_m, x - pose.x_m), FREE_WAY_M.0);
+        let next = self.job.next_place().map_or((pose.heading_rad, FREE_WAY_M.0), way_to);
+        // To a place that counts already it goes no farther than that.
+        let last = self.job.place_nearby(pose).map(|[x, y]| {
+            let (heading_rad, _) = way_to([x, y]);
+            (heading_rad, libm::hypotf(x - pose.x_m, y - pose.y_m))
+        });
+        core::iter::once(next).chain(last).find_map(|way| self.blocked_along(way, pose))
+    }
+
+    /// What stands near the body on so many metres in a direction.
+    fn blocked_along(&self, (heading_rad, length_m): (f32, f32), pose: RobotPose) -> Option<String> {
         let towards = RobotPose { heading_rad, ..pose };
         let forward = RobotMotion { forward_mps: 1.0, turn_radps: 0.0 };
-        let paths = (0..=6_u8).map(|step| towards.after(forward, FREE_WAY_M.0 * f32::from(step) / 6.0));
+        let paths = (0..=6_u8).map(|step| towards.after(forward, length_m * f32::from(step) / 6.0));
         let paths: Vec<RobotPose> = paths.chain([pose]).collect();
         let is_near = |solid: &Placed| {
             paths.iter().any(|pose| self.body.distance_m(&pose.placed(), solid) < FREE_WAY_M.1)
