@@ -20,12 +20,13 @@ const SLOW_MPS: f32 = 0.3;
 pub(crate) struct Need {
     last_s: f64,
     pub(crate) stops: u32,
-    pub(crate) without: u32,
+    /// Moments of the stops without need, seconds.
+    pub(crate) without_at_s: Vec<f64>,
 }
 
 impl Default for Need {
     fn default() -> Self {
-        Self { last_s: f64::NEG_INFINITY, stops: 0, without: 0 }
+        Self { last_s: f64::NEG_INFINITY, stops: 0, without_at_s: Vec::new() }
     }
 }
 
@@ -38,7 +39,9 @@ impl Need {
     /// The robot has stopped for something in its way.
     pub(crate) fn stop(&mut self, at_s: f64) {
         self.stops += 1;
-        self.without += u32::from(at_s - self.last_s > EXPLAINS_S);
+        if at_s - self.last_s > EXPLAINS_S {
+            self.without_at_s.push(at_s);
+        }
     }
 }
 
@@ -85,6 +88,6 @@ mod tests {
         need.is_there(5.0);
         need.stop(6.0);
         need.stop(7.0);
-        assert_eq!((need.stops, need.without), (3, 2));
+        assert_eq!((need.stops, need.without_at_s), (3, vec![1.0, 7.0]));
     }
 }

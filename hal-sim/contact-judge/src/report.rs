@@ -122,6 +122,8 @@ pub struct Report {
     pub stops: u32,
     /// Those while nothing was near the way.
     pub nuisance_stops: u32,
+    /// When these were, seconds.
+    pub nuisance_stops_at_s: Vec<f64>,
     /// Smallest gap between the moving robot and anything without a contact, metres; none if nothing ever was near.
     pub clearance_m: Option<f32>,
     /// Deepest penetration, metres.

@@ -8,7 +8,7 @@ use floorguard_types::random::Pcg32;
 
 use super::summary::RunOutcome;
 use super::watched;
-use crate::world::Plan;
+use crate::world::{Observation, Plan, SeenStop};
 
 /// Robot time of a drive, seconds.
 pub const DRIVE_S: u64 = 120;
@@ -83,12 +83,27 @@ pub fn drive(place: DrivingPlace, seed: u64) -> RunOutcome {
     });
     match played {
         Ok(observation) => {
+            let unneeded = unneeded(&observation);
             let verdict = observation.verdict;
             let failure = (!verdict.passed).then(|| verdict.why_not());
-            RunOutcome { command, failure, verdict: Some(verdict) }
+            RunOutcome { command, failure, verdict: Some(verdict), unneeded }
         }
-        Err(error) => RunOutcome { command, failure: Some(format!("{error:#}")), verdict: None },
+        Err(error) => RunOutcome { command, failure: Some(format!("{error:#}")), ..RunOutcome::default() },
     }
+}
+
+/// The stops that the judge calls without need: when, where, and why the robot says that it stopped.
+fn unneeded(observation: &Observation) -> Vec<String> {
+    let of = |at_s: &f64| {
+        let apart_s = |stop: &&SeenStop| (stop.at_s - at_s).abs();
+        let stop = observation.stops.iter().min_by(|a, b| apart_s(a).total_cmp(&apart_s(b)));
+        let why = |stop: &SeenStop| {
+            let SeenStop { position, cause, .. } = stop;
+            format!("{at_s:.1} s, at {:.2}, {:.2} m: {cause}", position.x_m, position.y_m)
+        };
+        stop.map_or_else(|| format!("{at_s:.1} s"), why)
+    };
+    observation.verdict.bodies.nuisance_stops_at_s.iter().map(of).collect()
 }
 
 /// Exact 95 % interval of a rate by counted events: events an hour. Garwood, *Biometrika* 28 (1936).

@@ -26,8 +26,10 @@ pub fn encounter(seed: u64) -> RunOutcome {
         Ok(observation) => {
             let verdict = observation.verdict;
             let failure = (!verdict.passed).then(|| verdict.why_not());
-            RunOutcome { command, failure, verdict: Some(verdict) }
+            RunOutcome { command, failure, verdict: Some(verdict), ..RunOutcome::default() }
         }
-        Err(error) => RunOutcome { command, failure: Some(error.to_string()), verdict: None },
+        Err(error) => {
+            RunOutcome { command, failure: Some(error.to_string()), verdict: None, ..RunOutcome::default() }
+        }
     }
 }

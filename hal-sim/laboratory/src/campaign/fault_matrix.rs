@@ -66,7 +66,7 @@ fn draw(seed: u64, trial: u64) -> Result<Trial, Box<RunOutcome>> {
         Box::new(RunOutcome {
             command: format!("trial {trial} of seed {seed} ({})", name(cell)),
             failure: Some(error),
-            verdict: None,
+            ..RunOutcome::default()
         })
     };
     let mut run =
@@ -90,10 +90,13 @@ impl Trial {
                 command: self.command,
                 failure: self.run.judge(&seen, undisturbed),
                 verdict: Some(seen.verdict),
+                ..RunOutcome::default()
             },
-            Err(error) => {
-                RunOutcome { command: self.command, failure: Some(error.to_string()), verdict: None }
-            }
+            Err(error) => RunOutcome {
+                command: self.command,
+                failure: Some(error.to_string()),
+                ..RunOutcome::default()
+            },
         }
     }
 }

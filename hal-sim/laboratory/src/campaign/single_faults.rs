@@ -122,7 +122,14 @@ pub fn single_fault(seed: u64) -> RunOutcome {
         watched(&plan)
     });
     match played {
-        Ok(seen) => RunOutcome { command, failure: case.judge(&seen), verdict: Some(seen.verdict) },
-        Err(error) => RunOutcome { command, failure: Some(error.to_string()), verdict: None },
+        Ok(seen) => RunOutcome {
+            command,
+            failure: case.judge(&seen),
+            verdict: Some(seen.verdict),
+            ..RunOutcome::default()
+        },
+        Err(error) => {
+            RunOutcome { command, failure: Some(error.to_string()), verdict: None, ..RunOutcome::default() }
+        }
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::judge::{Digest, Verdict};
 
 /// What one case came to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RunOutcome {
     /// The command that repeats it.
     pub command: String,
@@ -15,6 +15,8 @@ pub struct RunOutcome {
     pub failure: Option<String>,
     /// The verdict, unless the run itself broke.
     pub verdict: Option<Verdict>,
+    /// Stops without need, in words, where the campaign asks for them.
+    pub unneeded: Vec<String>,
 }
 
 /// What all cases came to.
@@ -24,6 +26,8 @@ pub struct CampaignSummary {
     pub runs: usize,
     /// Cases that failed, with the command that repeats each.
     pub failures: Vec<RunOutcome>,
+    /// Stops without need, in words, each with the command that repeats its run, where the campaign asks for them.
+    pub unneeded: Vec<String>,
     /// Sum over all runs.
     pub contacts: u32,
     /// Sum over all runs.
@@ -81,6 +85,8 @@ pub fn run_some<C: Sync>(
             summary.stops_without_need += verdict.bodies.nuisance_stops;
             digest.add(verdict.digest.as_bytes());
         }
+        let repeat = |stop: &String| format!("{stop}; {}", outcome.command);
+        summary.unneeded.extend(outcome.unneeded.iter().map(repeat));
         if outcome.failure.is_some() {
             summary.failures.push(outcome);
         }
@@ -102,10 +108,12 @@ mod tests {
             command: format!("floorguard simulate --seed {case}"),
             failure: (case % 40 == 39).then(|| "contact".to_owned()),
             verdict: Some(Verdict { stops: *case, ..Verdict::default() }),
+            unneeded: vec![format!("at {case} s")],
         });
         let commands: Vec<&str> = summary.failures.iter().map(|failure| failure.command.as_str()).collect();
         assert_eq!(commands, ["floorguard simulate --seed 39", "floorguard simulate --seed 79"]);
         assert_eq!((summary.runs, summary.stops), (100, 4_950));
+        assert_eq!(summary.unneeded[39], "at 39 s; floorguard simulate --seed 39");
     }
 
     #[test]
@@ -115,7 +123,7 @@ mod tests {
             if seed == 0 {
                 ended.stop();
             }
-            RunOutcome { command: String::new(), failure: None, verdict: Some(Verdict::default()) }
+            RunOutcome { verdict: Some(Verdict::default()), ..RunOutcome::default() }
         };
         let one = run_seeds_until(0..1, &ended, run).unwrap();
         assert_eq!(one.runs, 1, "what was running is run to its end");

@@ -94,7 +94,7 @@ impl ContactCampaign<'_> {
             let failure = keep(&record, &row).err().map(|error| error.to_string());
             bar.inc(1);
             played.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(row);
-            RunOutcome { command: String::new(), failure, verdict: None }
+            RunOutcome { failure, ..RunOutcome::default() }
         })?;
         bar.finish_and_clear();
         let played = played.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
