@@ -185,8 +185,11 @@ fn every_stage_has_a_time() {
         println!("{measured:?}");
         for stage in ["decode", "sweep", "floor", "clusters", "motion", "people", "track", "guard"] {
             let time = measured.stages.iter().find(|time| time.stage == stage).expect("every stage");
-            assert!(time.ns_per_sweep > 0.0 && time.ns_per_point.is_finite(), "{time:?}");
+            // Some are what two measurements differ by: on a busy computer that may be nothing.
+            assert!(time.ns_per_sweep >= 0.0 && time.ns_per_point.is_finite(), "{time:?}");
         }
+        let whole = measured.stages.iter().find(|time| time.stage == "datagrams to tracks");
+        assert!(whole.is_some_and(|time| time.ns_per_sweep > 0.0), "{whole:?}");
         assert!(measured.decisions.is_in_time(), "{:?}", measured.decisions);
     }
 }
