@@ -159,7 +159,7 @@ fn guess(text: &str) -> anyhow::Result<TrackFormat> {
         text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).context("it is empty")?;
     let columns = line.split_whitespace().count();
     Ok(match line.trim_start().chars().next() {
-        Some('{') if text.contains("\"track\"") => TrackFormat::Lcas,
+        Some('{') if is_lcas(line) => TrackFormat::Lcas,
         Some('{' | '[') => TrackFormat::Json,
         _ if tracks_named::is_heading(line) => TrackFormat::Table,
         _ if line.contains(',') => TrackFormat::Csv,
@@ -167,6 +167,14 @@ fn guess(text: &str) -> anyhow::Result<TrackFormat> {
         _ if columns == 5 => TrackFormat::Hermes,
         _ if columns == 4 => TrackFormat::EthUcy,
         _ => bail!("no layout of tracks that is known; choose one with --format"),
+    })
+}
+
+/// A line of the L-CAS layout: a scene, or a track with its own object of values.
+fn is_lcas(line: &str) -> bool {
+    let object: Option<serde_json::Value> = serde_json::from_str(line).ok();
+    object.is_some_and(|object| {
+        ["scene", "track"].iter().any(|key| object.get(key).is_some_and(|of| of.is_object()))
     })
 }
 
@@ -327,6 +335,8 @@ mod tests {
         assert!(error.to_string().contains("line 2"), "{error:#}");
         assert!(rows("{\"track\": {\"f\": 0}}", TrackFormat::Lcas).is_err());
         assert!(rows("1 2 nan 4 5", TrackFormat::Hermes).is_err());
+        let named = "{\"track\": 3, \"id\": 3, \"t\": 0, \"x\": 1, \"y\": 2}";
+        assert_eq!(guess(named).unwrap(), TrackFormat::Json);
         assert!(guess("a b c").is_err() && guess("\n\n").is_err());
     }
 

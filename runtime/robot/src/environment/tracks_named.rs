@@ -14,7 +14,7 @@ const PEOPLE: &[&str] = &["agent_id", "track_id", "person_id", "ped_id", "id", "
 const X: &[&str] = &["pos_x", "x_m", "x"];
 const Y: &[&str] = &["pos_y", "y_m", "y"];
 /// Under these names an object holds a list of others.
-const LISTS: &[&str] = &["tracks", "people", "agents", "data", "points", "positions", "trajectory", "track"];
+const LISTS: &[&str] = &["tracks", "people", "agents", "data", "points", "positions", "trajectory"];
 /// Lists within lists: a file, its tracks, their points.
 const DEPTH_MAX: usize = 3;
 
