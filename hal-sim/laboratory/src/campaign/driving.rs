@@ -83,17 +83,17 @@ pub fn drive(place: DrivingPlace, seed: u64) -> RunOutcome {
     });
     match played {
         Ok(observation) => {
-            let unneeded = unneeded(&observation);
+            let without_need = without_need(&observation);
             let verdict = observation.verdict;
             let failure = (!verdict.passed).then(|| verdict.why_not());
-            RunOutcome { command, failure, verdict: Some(verdict), unneeded }
+            RunOutcome { command, failure, verdict: Some(verdict), without_need }
         }
         Err(error) => RunOutcome { command, failure: Some(format!("{error:#}")), ..RunOutcome::default() },
     }
 }
 
 /// The stops that the judge calls without need: when, where, and why the robot says that it stopped.
-fn unneeded(observation: &Observation) -> Vec<String> {
+fn without_need(observation: &Observation) -> Vec<String> {
     let of = |at_s: &f64| {
         let apart_s = |stop: &&SeenStop| (stop.at_s - at_s).abs();
         let stop = observation.stops.iter().min_by(|a, b| apart_s(a).total_cmp(&apart_s(b)));
@@ -214,6 +214,7 @@ fn piece(number: u32, random: &mut Pcg32) -> FurnitureFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::geometry::Point2;
 
     /// Tabulated exact limits of a Poisson mean: 0 to 3.689, 0.025 to 5.572, 4.795 to 18.39.
     #[test]
@@ -224,6 +225,21 @@ mod tests {
         }
         let (_, upper) = rate95(0, 10.0);
         assert!((upper - 0.3689).abs() < 0.001);
+    }
+
+    #[test]
+    fn stop_without_need_has_its_own_reason() {
+        let seen = |(at_s, cause): (f64, &str)| SeenStop {
+            at_s,
+            position: Point2::new(1.0, -2.5),
+            cause: cause.to_owned(),
+            kind: String::new(),
+            speed_mps: 0.5,
+        };
+        let stops = [(12.0, "a box"), (30.0, "a person")].map(seen).to_vec();
+        let mut observation = Observation { stops, ..Observation::default() };
+        observation.verdict.bodies.nuisance_stops_at_s = vec![30.0];
+        assert_eq!(without_need(&observation), ["30.0 s, at 1.00, -2.50 m: a person"]);
     }
 
     #[test]

@@ -28,8 +28,6 @@ pub fn encounter(seed: u64) -> RunOutcome {
             let failure = (!verdict.passed).then(|| verdict.why_not());
             RunOutcome { command, failure, verdict: Some(verdict), ..RunOutcome::default() }
         }
-        Err(error) => {
-            RunOutcome { command, failure: Some(error.to_string()), verdict: None, ..RunOutcome::default() }
-        }
+        Err(error) => RunOutcome { command, failure: Some(error.to_string()), ..RunOutcome::default() },
     }
 }

@@ -128,8 +128,6 @@ pub fn single_fault(seed: u64) -> RunOutcome {
             verdict: Some(seen.verdict),
             ..RunOutcome::default()
         },
-        Err(error) => {
-            RunOutcome { command, failure: Some(error.to_string()), verdict: None, ..RunOutcome::default() }
-        }
+        Err(error) => RunOutcome { command, failure: Some(error.to_string()), ..RunOutcome::default() },
     }
 }

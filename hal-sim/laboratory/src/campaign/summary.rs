@@ -16,7 +16,7 @@ pub struct RunOutcome {
     /// The verdict, unless the run itself broke.
     pub verdict: Option<Verdict>,
     /// Stops without need, in words, where the campaign asks for them.
-    pub unneeded: Vec<String>,
+    pub without_need: Vec<String>,
 }
 
 /// What all cases came to.
@@ -27,7 +27,7 @@ pub struct CampaignSummary {
     /// Cases that failed, with the command that repeats each.
     pub failures: Vec<RunOutcome>,
     /// Stops without need, in words, each with the command that repeats its run, where the campaign asks for them.
-    pub unneeded: Vec<String>,
+    pub without_need: Vec<String>,
     /// Sum over all runs.
     pub contacts: u32,
     /// Sum over all runs.
@@ -86,7 +86,7 @@ pub fn run_some<C: Sync>(
             digest.add(verdict.digest.as_bytes());
         }
         let repeat = |stop: &String| format!("{stop}; {}", outcome.command);
-        summary.unneeded.extend(outcome.unneeded.iter().map(repeat));
+        summary.without_need.extend(outcome.without_need.iter().map(repeat));
         if outcome.failure.is_some() {
             summary.failures.push(outcome);
         }
@@ -108,12 +108,12 @@ mod tests {
             command: format!("floorguard simulate --seed {case}"),
             failure: (case % 40 == 39).then(|| "contact".to_owned()),
             verdict: Some(Verdict { stops: *case, ..Verdict::default() }),
-            unneeded: vec![format!("at {case} s")],
+            without_need: vec![format!("at {case} s")],
         });
         let commands: Vec<&str> = summary.failures.iter().map(|failure| failure.command.as_str()).collect();
         assert_eq!(commands, ["floorguard simulate --seed 39", "floorguard simulate --seed 79"]);
         assert_eq!((summary.runs, summary.stops), (100, 4_950));
-        assert_eq!(summary.unneeded[39], "at 39 s; floorguard simulate --seed 39");
+        assert_eq!(summary.without_need[39], "at 39 s; floorguard simulate --seed 39");
     }
 
     #[test]

@@ -289,30 +289,23 @@ furniture = [
     { kind = "shelf", at_m = [4.0, 4.6], size_m = [3.0, 0.5], height_m = 1.8 },
     { kind = "box", at_m = [-4.0, 4.0], size_m = [0.8, 0.6], height_m = 0.9 },
 ]
-[[person]]
-kind = "adult"
-at_m = [3.0, 0.5]
-speed_mps = 0.0
-[[person]]
-kind = "adult"
-at_m = [5.0, -2.5]
-speed_mps = 0.0
-[[person]]
-kind = "adult"
-at_m = [-2.5, -3.0]
-speed_mps = 0.0
-[[person]]
-kind = "adult"
-at_m = [2.0, 3.2]
-speed_mps = 0.0
-[[person]]
-kind = "child"
-at_m = [1.5, -2.0]
-speed_mps = 0.0
 "#;
 
+    /// Who stands where, metres.
+    const PEOPLE: [(&str, [f32; 2]); 5] = [
+        ("adult", [3.0, 0.5]),
+        ("adult", [5.0, -2.5]),
+        ("adult", [-2.5, -3.0]),
+        ("adult", [2.0, 3.2]),
+        ("child", [1.5, -2.0]),
+    ];
+
     fn standing_people() -> (Vec<Box<Sweep>>, Vec<KeyRow>) {
-        let scenario = Scenario::from_toml(ROOM).expect("a room");
+        let person = |(kind, at_m): &(&str, [f32; 2])| {
+            format!("[[person]]\nkind = \"{kind}\"\nat_m = {at_m:?}\nspeed_mps = 0.0\n")
+        };
+        let text = ROOM.to_owned() + &PEOPLE.iter().map(person).collect::<String>();
+        let scenario = Scenario::from_toml(&text).expect("a room");
         let run = SceneRun { scenario, seed: 1, scale: 1.0, sensor_height_m: 0.8, starts_us: 200_000 };
         let (mut sweeps, mut key) = (Vec::new(), Vec::new());
         play(&run, (SWEEPS, 1), &mut |labelled| {

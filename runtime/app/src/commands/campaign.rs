@@ -169,7 +169,7 @@ fn show(summary: &CampaignSummary) {
     for failure in &summary.failures {
         say!("failed: {}\n  {}", failure.failure.as_deref().unwrap_or_default(), failure.command);
     }
-    for stop in &summary.unneeded {
+    for stop in &summary.without_need {
         say!("without need: {stop}");
     }
     say!("digest of all runs {}", summary.digest);
