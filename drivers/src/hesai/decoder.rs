@@ -71,6 +71,8 @@ pub struct Counters {
 pub struct DecoderOf<P: Profile> {
     blind_range_mm: u16,
     lasers_max: u8,
+    /// Of an XT-32 every second laser is used.
+    is_thinned: bool,
     last: Option<Last>,
     clock: HourClock,
     counters: Counters,
@@ -99,6 +101,7 @@ impl<P: Profile> DecoderOf<P> {
         Self {
             blind_range_mm: 0,
             lasers_max: truncating_u8(P::Rings::N),
+            is_thinned: false,
             last: None,
             clock: HourClock::default(),
             counters: Counters::default(),
@@ -117,6 +120,13 @@ impl<P: Profile> DecoderOf<P> {
     pub fn with_lasers_max(mut self, lasers_max: u8) -> Self {
         self.set_lasers_max(lasers_max);
         self
+    }
+
+    /// The same decoder for an XT-32 in the place of an XT-16: of its lasers the uppermost, the third and so on are used, which look
+    /// where those of an XT-16 do.
+    #[must_use]
+    pub fn every_second_of_32(self) -> Self {
+        Self { is_thinned: true, ..self }
     }
 
     /// Packets of a larger lidar are refused from now on.
@@ -179,8 +189,10 @@ impl<P: Profile> DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, DecodeError> {
         let packet = Packet::new_checked(payload).map_err(DecodeError::Packet)?;
-        if packet.lasers() > self.lasers_max {
-            return Err(DecodeError::TooManyLasers { lasers: packet.lasers(), lasers_max: self.lasers_max });
+        let is_thinned = self.is_thinned && packet.lasers() == 32;
+        let lasers = if is_thinned { packet.lasers() / 2 } else { packet.lasers() };
+        if lasers > self.lasers_max {
+            return Err(DecodeError::TooManyLasers { lasers, lasers_max: self.lasers_max });
         }
         let echoes = if packet.return_mode() == ReturnMode::Dual { 2 } else { 1 };
         let skipped_us = skipped_us(&packet, echoes)?;
@@ -198,7 +210,7 @@ impl<P: Profile> DecoderOf<P> {
         );
         out.stamp = stamp;
         out.range_unit_mm = 4;
-        out.rings = packet.lasers();
+        out.rings = lasers;
         // At most eight of the capacity.
         let _ = out.columns.resize(BLOCKS / echoes, LidarColumnOf::SILENT);
         let self_returns = self.convert(&packet, (echoes, skipped_us), out);
@@ -237,7 +249,8 @@ impl<P: Profile> DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> u32 {
         let blind_raw = self.blind_range_mm.div_ceil(4);
-        let top = usize::from(packet.lasers()).saturating_sub(1);
+        let top = usize::from(out.rings).saturating_sub(1);
+        let every = if out.rings < packet.lasers() { 2 } else { 1 };
         let mut self_returns = 0;
         let (mut later_us, mut before_cdeg) = (0, None);
         for (firing, column) in out.columns.iter_mut().enumerate() {
@@ -248,7 +261,7 @@ impl<P: Profile> DecoderOf<P> {
                 }
                 before_cdeg = Some(block.azimuth_cdeg);
                 column.azimuth_cdeg = block.azimuth_cdeg;
-                self_returns += enter(column, &block, (top, blind_raw));
+                self_returns += enter(column, &block, (top, every, blind_raw));
             }
             column.offset_us = truncating_u32(firing).saturating_mul(FIRING_US).saturating_add(later_us);
         }
@@ -260,10 +273,10 @@ impl<P: Profile> DecoderOf<P> {
 fn enter<P: Profile>(
     column: &mut LidarColumnOf<P>,
     block: &Block<'_>,
-    (top, blind_raw): (usize, u16),
+    (top, every, blind_raw): (usize, usize, u16),
 ) -> u32 {
     let mut self_returns = 0;
-    for (channel, (raw, reflectivity)) in block.cells().enumerate() {
+    for (channel, (raw, reflectivity)) in block.cells().step_by(every).enumerate() {
         if raw == 0 || raw < blind_raw {
             self_returns += u32::from(raw != 0);
             continue;

@@ -8,6 +8,8 @@ use super::contract::LidarDecoder;
 use super::error::LidarError;
 use super::straight_columns::StraightColumns;
 use crate::hesai;
+use crate::lidar_link;
+use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
 /// One of the makers' decoders.
@@ -32,6 +34,10 @@ pub enum AnyDecoderOf<P: Profile> {
     Straight(velodyne::DecoderOf<P>, StraightColumns<P>),
     /// PandarXT-16 and XT-32.
     Hesai(hesai::DecoderOf<P>),
+    /// Ouster OS0, OS1 and OS2.
+    Ouster(ouster::DecoderOf<P>),
+    /// Any lidar behind a bridge.
+    Bridged(lidar_link::DecoderOf<P>),
 }
 
 /// For the lidars of the target.
@@ -42,6 +48,8 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) | Self::Straight(decoder, _) => decoder.limit_lasers(lasers_max),
             Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Ouster(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Bridged(decoder) => decoder.limit_lasers(lasers_max),
         }
     }
 
@@ -59,6 +67,8 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
                 Ok(lost_before)
             }
             Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Ouster(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Bridged(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
@@ -66,6 +76,8 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) | Self::Straight(decoder, _) => LidarDecoder::left_out_block(decoder),
             Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Ouster(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Bridged(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
@@ -75,6 +87,8 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
                 LidarDecoder::known_closed_sector(decoder)
             }
             Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Ouster(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Bridged(decoder) => LidarDecoder::known_closed_sector(decoder),
         }
     }
 
@@ -82,6 +96,8 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
         match self {
             Self::Velodyne(decoder) | Self::Straight(decoder, _) => LidarDecoder::people_rings(decoder),
             Self::Hesai(decoder) => LidarDecoder::people_rings(decoder),
+            Self::Ouster(decoder) => LidarDecoder::people_rings(decoder),
+            Self::Bridged(decoder) => LidarDecoder::people_rings(decoder),
         }
     }
 }

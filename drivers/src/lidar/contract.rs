@@ -7,11 +7,13 @@ use floorguard_types::time::Stamp;
 
 use super::error::LidarError;
 use crate::hesai;
+use crate::lidar_link;
+use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
 /// Datagrams in, columns out.
 pub trait LidarDecoder<P: Profile> {
-    /// Refuses lidars of more than so many lasers from now on.
+    /// Gives at most so many rings from now on: a decoder that cannot choose among them refuses a lidar of more lasers.
     fn limit_lasers(&mut self, lasers_max: u8);
 
     /// Decodes one UDP payload that arrived at `arrival` into `out`; gives how many packets are missing right before it.
@@ -83,6 +85,64 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
     }
 
     /// Its columns carry their azimuths: what is between two of them stays unknown without a name.
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
+
+    fn people_rings(&self) -> Option<RingChoice> {
+        None
+    }
+}
+
+impl<P: Profile> LidarDecoder<P> for ouster::DecoderOf<P> {
+    /// So many of its beams are chosen, see [`ouster::Beams::rings`].
+    fn limit_lasers(&mut self, lasers_max: u8) {
+        self.set_rings_max(usize::from(lasers_max));
+    }
+
+    fn decode_datagram(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Ouster)
+    }
+
+    /// Columns that were not measured are left out, and counted.
+    fn left_out_block(&self) -> Option<LidarError> {
+        None
+    }
+
+    /// What is between two of its columns stays unknown without a name.
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
+
+    fn people_rings(&self) -> Option<RingChoice> {
+        None
+    }
+}
+
+impl<P: Profile> LidarDecoder<P> for lidar_link::DecoderOf<P> {
+    /// It has as many rings as the robot's file names elevations for.
+    fn limit_lasers(&mut self, _: u8) {}
+
+    fn decode_datagram(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Bridged)
+    }
+
+    /// A datagram with an odd column is refused whole.
+    fn left_out_block(&self) -> Option<LidarError> {
+        None
+    }
+
+    /// What is between two of its columns stays unknown without a name.
     fn known_closed_sector(&self) -> Option<ClosedSector> {
         None
     }

@@ -1,6 +1,6 @@
 //! Why a datagram gives no columns, for the lidars of all makers.
 
-use crate::{hesai, velodyne};
+use crate::{hesai, lidar_link, ouster, velodyne};
 
 /// A datagram that gives no columns, or not those of all its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +10,10 @@ pub enum LidarError {
     Velodyne(velodyne::DecodeError),
     /// Of a Hesai lidar.
     Hesai(hesai::DecodeError),
+    /// Of an Ouster lidar.
+    Ouster(ouster::DecodeError),
+    /// Of a bridge.
+    Bridged(lidar_link::DecodeError),
 }
 
 impl LidarError {
@@ -26,6 +30,8 @@ impl LidarError {
         match (self, other) {
             (Self::Velodyne(one), Self::Velodyne(two)) => discriminant(one) == discriminant(two),
             (Self::Hesai(one), Self::Hesai(two)) => discriminant(one) == discriminant(two),
+            (Self::Ouster(one), Self::Ouster(two)) => discriminant(one) == discriminant(two),
+            (Self::Bridged(one), Self::Bridged(two)) => discriminant(one) == discriminant(two),
             _ => false,
         }
     }
@@ -36,6 +42,8 @@ impl core::fmt::Display for LidarError {
         match self {
             Self::Velodyne(error) => error.fmt(f),
             Self::Hesai(error) => error.fmt(f),
+            Self::Ouster(error) => error.fmt(f),
+            Self::Bridged(error) => error.fmt(f),
         }
     }
 }

@@ -6,7 +6,11 @@ mod physics;
 mod rolling;
 mod velocity_base;
 
+pub use crate::wire::OusterFormat;
 pub use brush_deck::{BrushDeck, BrushPass};
-pub use parameters::{BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train};
+pub use parameters::{
+    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, RobotParameters, RplidarModel, ScannerDevice,
+    SensorMount, SickModel, Train,
+};
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

@@ -4,6 +4,7 @@ use floorguard_types::geometry::Point2;
 
 use super::brush_deck::BrushDeck;
 use crate::motors::MotorParameters;
+use crate::wire::OusterFormat;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,9 +58,59 @@ pub enum LidarDevice {
     Vlp16,
     /// PandarXT-16: a firing of sixteen lasers each 50 µs.
     PandarXt16,
+    /// PandarXT-32: thirty-two lasers.
+    PandarXt32,
+    /// An Ouster.
+    Ouster(OusterDevice),
+    /// Any lidar of sixteen rings behind a bridge; elevations in thousandths of a degree, the lowest first.
+    Bridged(&'static [i32; 16]),
 }
 
-/// Which safety scanner it carries.
+/// What an Ouster is: angles in thousandths of a degree, one of each a beam.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OusterDevice {
+    /// Its packets.
+    pub format: OusterFormat,
+    /// Columns of a turn.
+    pub columns_per_turn: u16,
+    /// Columns of a packet.
+    pub columns_per_packet: u8,
+    /// Elevations.
+    pub altitude_mdeg: &'static [i32],
+    /// Azimuths from that of the column, clockwise.
+    pub azimuth_mdeg: &'static [i32],
+    /// From the axis to where the beams leave, micrometres.
+    pub beam_origin_um: u32,
+}
+
+/// Which Hokuyo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HokuyoModel {
+    /// UST-10LX: 1,081 beams.
+    Ust,
+    /// URG-04LX: 682 beams.
+    Urg04lx,
+}
+
+/// Which SICK that is no safety scanner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SickModel {
+    /// TiM561: 811 beams, 15 turns a second, a third of a degree.
+    Tim5xx,
+    /// LMS111: 541 beams, 50 turns a second, half a degree.
+    Lms1xx,
+}
+
+/// Which RPLidar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RplidarModel {
+    /// A2: 4,000 samples a second, ten turns.
+    A,
+    /// S2: 16,000 samples a second, ten turns.
+    S,
+}
+
+/// Which scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
     /// S300: 541 beams over 270°.
@@ -67,6 +118,12 @@ pub enum ScannerDevice {
     S300,
     /// microScan3: so many beams over 275°.
     MicroScan3(u16),
+    /// A Hokuyo, which is no safety scanner.
+    Hokuyo(HokuyoModel),
+    /// A TiM or an LMS of SICK, which is none either.
+    Sick(SickModel),
+    /// An RPLidar, which is none either.
+    Rplidar(RplidarModel),
 }
 
 /// What the body rolls on.

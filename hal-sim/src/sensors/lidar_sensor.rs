@@ -1,6 +1,6 @@
 //! Whichever lidar the robot carries.
 
-use super::{Lidar, PandarXt16, View};
+use super::{BridgedLidar, Lidar, Ouster, Pandar, View};
 use crate::robot::LidarDevice;
 use crate::wire::ReturnMode;
 
@@ -9,8 +9,12 @@ use crate::wire::ReturnMode;
 pub enum LidarSensor {
     /// VLP-16.
     Vlp16(Lidar),
-    /// PandarXT-16.
-    PandarXt16(PandarXt16),
+    /// PandarXT-16 and XT-32.
+    Pandar(Pandar),
+    /// Ouster.
+    Ouster(Ouster),
+    /// Any lidar behind a bridge.
+    Bridged(BridgedLidar),
 }
 
 impl LidarSensor {
@@ -19,7 +23,10 @@ impl LidarSensor {
     pub fn of(device: LidarDevice, seed: u64) -> Self {
         match device {
             LidarDevice::Vlp16 => Self::Vlp16(Lidar::new(seed, ReturnMode::Strongest)),
-            LidarDevice::PandarXt16 => Self::PandarXt16(PandarXt16::new(seed)),
+            LidarDevice::PandarXt16 => Self::Pandar(Pandar::new(16, seed)),
+            LidarDevice::PandarXt32 => Self::Pandar(Pandar::new(32, seed)),
+            LidarDevice::Ouster(device) => Self::Ouster(Ouster::new(device, seed)),
+            LidarDevice::Bridged(elevations) => Self::Bridged(BridgedLidar::new(elevations, seed)),
         }
     }
 
@@ -27,7 +34,9 @@ impl LidarSensor {
     pub const fn coarse(&mut self, grain: usize) {
         match self {
             Self::Vlp16(lidar) => lidar.coarse(grain),
-            Self::PandarXt16(lidar) => lidar.coarse(grain),
+            Self::Pandar(lidar) => lidar.coarse(grain),
+            Self::Ouster(lidar) => lidar.coarse(grain),
+            Self::Bridged(lidar) => lidar.coarse(grain),
         }
     }
 
@@ -36,7 +45,9 @@ impl LidarSensor {
     pub fn due_us(&self) -> u64 {
         match self {
             Self::Vlp16(lidar) => lidar.due_us(),
-            Self::PandarXt16(lidar) => lidar.due_us(),
+            Self::Pandar(lidar) => lidar.due_us(),
+            Self::Ouster(lidar) => lidar.due_us(),
+            Self::Bridged(lidar) => lidar.due_us(),
         }
     }
 
@@ -44,7 +55,9 @@ impl LidarSensor {
     pub fn measure(&mut self, view: &View<'_>, step_us: u64) -> Vec<u8> {
         match self {
             Self::Vlp16(lidar) => lidar.measure(view, step_us),
-            Self::PandarXt16(lidar) => lidar.measure(view, step_us),
+            Self::Pandar(lidar) => lidar.measure(view, step_us),
+            Self::Ouster(lidar) => lidar.measure(view, step_us),
+            Self::Bridged(lidar) => lidar.measure(view, step_us),
         }
     }
 
@@ -53,7 +66,7 @@ impl LidarSensor {
     pub fn position_packet(&self, now_us: u64) -> Option<Vec<u8>> {
         match self {
             Self::Vlp16(lidar) => Some(lidar.position_packet(now_us)),
-            Self::PandarXt16(_) => None,
+            Self::Pandar(_) | Self::Ouster(_) | Self::Bridged(_) => None,
         }
     }
 }

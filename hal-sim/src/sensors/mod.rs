@@ -1,19 +1,27 @@
 //! The sensors: what they measure in the world and the bytes they send.
 
+mod bridged;
 mod depth_camera;
 mod floor_camera_sensor;
 mod imu;
 mod lidar;
 mod lidar_sensor;
+mod ouster;
 mod pandar;
+mod rplidar;
 mod scanner;
+mod sick;
 mod view;
 
+pub use bridged::BridgedLidar;
 pub use depth_camera::{DepthCamera, DepthPicture};
 pub use floor_camera_sensor::{FloorCameraMounting, FloorCameraSensor, FloorFrame};
 pub use imu::{Imu, Motion};
 pub use lidar::{LIDAR_PACKET_NS, Lidar};
 pub use lidar_sensor::LidarSensor;
-pub use pandar::PandarXt16;
+pub use ouster::Ouster;
+pub use pandar::Pandar;
+pub use rplidar::RplidarScanner;
 pub use scanner::{Scanner, ScannerState};
+pub use sick::SickScanner;
 pub use view::View;

@@ -1,11 +1,13 @@
-//! The safety scanner: what it measures in a turn of its mirror, and its link to the robot's computer.
+//! The scanner: what it measures in a turn of its mirror, and its link to the robot's computer.
 //!
-//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3).
+//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3). A Hokuyo (book,
+//! SCIP 2.0), a TiM or LMS (book, CoLa) and an RPLidar must be asked.
 
 use floorguard_types::random::Pcg32;
 
-use super::View;
-use crate::robot::ScannerDevice;
+use super::{RplidarScanner, SickScanner, View};
+use crate::actuated::{LidarModel, ScanLidar};
+use crate::robot::{HokuyoModel, ScannerDevice};
 use crate::wire::Stream;
 use crate::wire::{
     BeamWords, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY, TelegramHeader, encode_scan_message,
@@ -14,6 +16,8 @@ use crate::wire::{
 
 /// The mirror turns once in 40 ms; the 270° in front take 30 ms of it.
 const CYCLE_US: u64 = 40_000;
+/// A scanner that must be asked measures what it has passed every so often.
+const ASKED_US: u64 = 2_500;
 /// Beams are measured in runs of a ninth of a scan: 3.3 ms.
 const RUNS_A_SCAN: usize = 9;
 /// From the last beam to the first byte of an S300: the evaluation.
@@ -53,6 +57,14 @@ struct Echo {
     is_reflector: bool,
 }
 
+/// One that must be asked.
+#[derive(Clone, Debug)]
+enum AskedScanner {
+    Hokuyo(ScanLidar),
+    Sick(SickScanner),
+    Rplidar(RplidarScanner),
+}
+
 /// The scanner.
 #[derive(Clone, Debug)]
 pub struct Scanner {
@@ -60,6 +72,8 @@ pub struct Scanner {
     echoes: Vec<Option<Echo>>,
     next_beam: usize,
     cycle_start_us: u64,
+    /// One that must be asked, and when it measures next.
+    asked: Option<(AskedScanner, u64)>,
     scan: u32,
     /// What it is doing.
     pub state: ScannerState,
@@ -92,12 +106,30 @@ impl Scanner {
         let beams = match device {
             ScannerDevice::S300 => 541,
             ScannerDevice::MicroScan3(beams) => usize::from(beams.max(2)),
+            ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) | ScannerDevice::Rplidar(_) => 0,
         };
+        let own = |random: &mut Pcg32| u64::from(random.below(u32::MAX));
+        let asked = match device {
+            ScannerDevice::Hokuyo(model) => {
+                let model = match model {
+                    HokuyoModel::Ust => LidarModel::Ust10lx,
+                    HokuyoModel::Urg04lx => LidarModel::Urg04lx,
+                };
+                Some(AskedScanner::Hokuyo(ScanLidar::new(model, own(&mut random))))
+            }
+            ScannerDevice::Sick(model) => Some(AskedScanner::Sick(SickScanner::new(model, own(&mut random)))),
+            ScannerDevice::Rplidar(model) => {
+                Some(AskedScanner::Rplidar(RplidarScanner::new(model, own(&mut random))))
+            }
+            ScannerDevice::S300 | ScannerDevice::MicroScan3(_) => None,
+        };
+        let asked = asked.map(|scanner| (scanner, ASKED_US));
         Self {
             device,
             echoes: vec![None; beams],
             next_beam: 0,
             cycle_start_us: 0,
+            asked,
             scan,
             state: ScannerState::default(),
             random,
@@ -108,8 +140,8 @@ impl Scanner {
     #[must_use]
     pub const fn stream(&self) -> Stream {
         match self.device {
-            ScannerDevice::S300 => Stream::ScannerSerial,
             ScannerDevice::MicroScan3(_) => Stream::ScannerData,
+            _ => Stream::ScannerSerial,
         }
     }
 
@@ -132,6 +164,9 @@ impl Scanner {
     /// When the beams that lie before it should be measured next, microseconds.
     #[must_use]
     pub fn due_us(&self) -> u64 {
+        if let Some((_, due_us)) = self.asked {
+            return due_us;
+        }
         if self.next_beam >= self.echoes.len() {
             self.cycle_start_us + CYCLE_US
         } else {
@@ -141,6 +176,10 @@ impl Scanner {
 
     /// Measures all beams up to now. Returns what it sends, each with its time, after the last beam.
     pub fn measure(&mut self, view: &View<'_>, now_us: u64, step_us: u64) -> Vec<(u64, Vec<u8>)> {
+        if let Some((scanner, due_us)) = &mut self.asked {
+            *due_us = now_us + ASKED_US;
+            return measure_asked(scanner, self.state, view, (now_us, step_us));
+        }
         if self.next_beam >= self.echoes.len() && now_us >= self.cycle_start_us + CYCLE_US {
             self.cycle_start_us += CYCLE_US;
             self.next_beam = 0;
@@ -166,8 +205,18 @@ impl Scanner {
         }
         self.scan = self.scan.wrapping_add(1);
         match self.device {
-            ScannerDevice::S300 => self.telegram(now_us),
             ScannerDevice::MicroScan3(_) => self.message(now_us),
+            _ => self.telegram(now_us),
+        }
+    }
+
+    /// What the robot's computer has written.
+    pub fn receive(&mut self, bytes: &[u8], now_us: u64) {
+        match &mut self.asked {
+            Some((AskedScanner::Hokuyo(scanner), _)) => scanner.receive(bytes, now_us),
+            Some((AskedScanner::Sick(scanner), _)) => scanner.receive(bytes, now_us),
+            Some((AskedScanner::Rplidar(scanner), _)) => scanner.receive(bytes, now_us),
+            None => {}
         }
     }
 
@@ -216,5 +265,29 @@ impl Scanner {
         let datagrams = scan_datagrams(&encode_scan_message(&header, &beams), self.scan);
         let first_us = now_us + MESSAGE_US;
         (1..).zip(datagrams).map(|(index, bytes)| (first_us + index * DATAGRAM_US, bytes)).collect()
+    }
+}
+
+/// What a scanner that must be asked has measured up to now. One that does not measure sees nothing: all its beams are errors.
+fn measure_asked(
+    scanner: &mut AskedScanner,
+    state: ScannerState,
+    view: &View<'_>,
+    (now_us, step_us): (u64, u64),
+) -> Vec<(u64, Vec<u8>)> {
+    let mut candidates = Vec::new();
+    let range_m = |at_us: f64, angle_rad: f64| {
+        if state != ScannerState::Measuring {
+            return None;
+        }
+        let sensor = view.sensor(((at_us - step_us as f64) * 1.0e-6) as f32);
+        let bearing = sensor.heading_rad + angle_rad as f32;
+        view.candidates(bearing, &mut candidates);
+        view.cast(sensor, (bearing, LEVEL), &candidates, RANGE_MAX_M).map(|hit| hit.range_m)
+    };
+    match scanner {
+        AskedScanner::Hokuyo(scanner) => scanner.measure(now_us, range_m),
+        AskedScanner::Sick(scanner) => scanner.measure(now_us, range_m),
+        AskedScanner::Rplidar(scanner) => scanner.measure(now_us, range_m),
     }
 }

@@ -258,9 +258,12 @@ impl Simulation {
         self.push(at_us, Stream::Can, Payload::Frame(frame));
     }
 
-    /// Bytes that the robot's computer has written to a serial line; only the IMU listens.
+    /// Bytes that the robot's computer has written to a line; the IMU listens, and a scanner that must be asked.
     pub fn receive(&mut self, stream: Stream, bytes: &[u8]) {
-        if stream != Stream::ImuSerial {
+        if stream == Stream::ScannerSerial {
+            self.scanner.receive(bytes, self.now_us);
+        }
+        if stream != Stream::ImuSerial || bytes.is_empty() {
             return;
         }
         let answer = self.imu.receive(bytes, self.now_us);

@@ -1,21 +1,29 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, Hesai; book, SICK S300; book, microScan3; book, Xsens MTi; book, Velocity link; book, SCIP 2.0).
+//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, CoLa; book, RPLidar; book, Lidar link; book, Velocity link; book, SCIP 2.0).
 
+mod cola;
 mod event;
 mod hesai;
+mod lidar_link;
 mod microscan3;
+mod ouster;
+mod rplidar;
 mod s300;
 mod scip;
 mod velocity;
 mod velodyne;
 mod xbus;
 
+pub use cola::{ColaHeader, cola_binary, cola_scan, cola_scan_binary, cola_telegram};
 pub use event::{Payload, Stream, WireEvent};
 pub use hesai::{FIRINGS, PandarPacket};
+pub use lidar_link::ColumnsDatagram;
 pub use microscan3::{
     BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
     encode_scan_message, scan_datagrams,
 };
+pub use ouster::{OusterFormat, OusterPacket};
+pub use rplidar::{rplidar_capsule, rplidar_dense_capsule, rplidar_descriptor};
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use scip::{scip_line, scip_number, scip_reply, scip_scan};
 pub use velocity::{HeardPermit, SentVelocity, TakenVelocity, motion_report};

@@ -27,7 +27,10 @@ fn main() -> anyhow::Result<()> {
         robot.scanner.model
     );
     anyhow::ensure!(
-        robot.lidar.model != LidarModel::PandarXt16,
+        !matches!(
+            robot.lidar.model,
+            LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_)
+        ),
         "robot.toml: [lidar] the boards decode Velodyne lidars only; write model = \"vlp16\", or run this robot on Linux"
     );
     // So that the board need not be able to say what is wrong.

@@ -6,7 +6,7 @@ use std::path::Path;
 use floorguard_drivers::scan_motor::ScanMotorConfiguration;
 use floorguard_types::units::radians;
 
-use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
+use super::address::{CanAddress, DatagramAddress, ScipAddress, SerialAddress, parse_serial};
 use super::devices::read_source;
 use super::reader::Reader;
 
@@ -17,15 +17,6 @@ pub enum ScipModel {
     Urg04lx,
     /// Hokuyo UST-10LX: TCP, forty scans a second, 10 m.
     Ust10lx,
-}
-
-/// Where the sensor is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ScipAddress {
-    /// A serial line, or USB that looks like one.
-    Serial(SerialAddress),
-    /// A TCP port of the sensor.
-    Tcp(SocketAddr),
 }
 
 /// Lidar and motor.
@@ -135,7 +126,7 @@ fn read_other<T>(
     address
 }
 
-fn read_lidar_source(section: &Reader<'_>) -> Option<ScipAddress> {
+pub(super) fn read_scip_source(section: &Reader<'_>) -> Option<ScipAddress> {
     let source = read_source(section, "serial:/dev/ttyACM0", parse_scip);
     let baud = section.integer_or("baud", 9_600..=4_000_000, 115_200) as u32;
     Some(match source? {
@@ -163,7 +154,7 @@ fn read_motor(section: &Reader<'_>) -> ScanMotorConfiguration {
 pub(super) fn read_actuated_lidar(section: Reader<'_>) -> Option<ActuatedLidarConfiguration> {
     let model =
         section.choice("model", &[("urg-04lx", ScipModel::Urg04lx), ("ust-10lx", ScipModel::Ust10lx)]);
-    let source = read_lidar_source(&section);
+    let source = read_scip_source(&section);
     let bus = "socketcan:can1";
     let motor_source =
         read_other(&section, ("motor_source", bus, section.text("motor_source", bus)), CanAddress::parse);

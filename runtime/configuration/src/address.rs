@@ -4,6 +4,8 @@ use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
+use floorguard_runtime::configuration::RangingModel;
+
 /// A UDP socket to bind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DatagramAddress {
@@ -56,13 +58,24 @@ pub struct SerialAddress {
     pub baud: u32,
 }
 
-/// What a safety scanner is connected to.
+/// Where a sensor is that must be asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ScipAddress {
+    /// A serial line, or USB that looks like one.
+    Serial(SerialAddress),
+    /// A TCP port of the sensor.
+    Tcp(SocketAddr),
+}
+
+/// What a scanner is connected to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScannerAddress {
     /// An S300's line.
     Serial(SerialAddress),
     /// The port to which a microScan3 sends.
     Datagrams(DatagramAddress),
+    /// The line or the connection of a scanner that must be asked.
+    Wire(ScipAddress, RangingModel),
 }
 
 /// A CAN bus.

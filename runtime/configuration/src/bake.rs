@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use floorguard_drivers::flexisoft::InputBits;
 use floorguard_guard::{Action, Thresholds};
-use floorguard_runtime::configuration::{DriveTrain, FieldPair, Mounting, RobotConfiguration};
+use floorguard_runtime::configuration::{DriveTrain, FieldPair, LidarModel, Mounting, RobotConfiguration};
 use floorguard_types::geometry::Point2;
 
 /// A function `robot()` that gives the same configuration. Numbers are written with all their digits.
@@ -38,8 +38,8 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     line(
         "lidar",
         format!(
-            "LidarConfiguration {{ model: LidarModel::{:?}, mounting: {} }}",
-            robot.lidar.model,
+            "LidarConfiguration {{ model: {}, mounting: {} }}",
+            lidar_model(robot.lidar.model),
             mounting(&robot.lidar.mounting)
         ),
     );
@@ -71,6 +71,17 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     line("unseen", format!("{:?}", robot.unseen));
     code.push_str("    }\n}\n");
     code
+}
+
+/// A board decodes the lidars of the Velodyne family.
+fn lidar_model(model: LidarModel) -> String {
+    match model {
+        LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_) => {
+            "compile_error!(\"[lidar]: a microcontroller decodes lidars of the Velodyne family alone\")"
+                .to_owned()
+        }
+        model => format!("LidarModel::{model:?}"),
+    }
 }
 
 /// A program for a board is not compiled with a second one: the memory for its table is missing.

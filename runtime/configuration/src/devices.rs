@@ -2,29 +2,17 @@
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_drivers::motor_drives::MotorProtocol;
-use floorguard_runtime::configuration::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
-    ScannerConfiguration, ScannerModel,
-};
+use floorguard_runtime::configuration::{CanConfiguration, ImuConfiguration, Mounting, OperatorButtons};
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
 
-use super::address::{
-    CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
-};
+use super::address::{CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
 use super::reader::Reader;
 use super::wheels::Wheels;
 
 mod channels;
 
 use channels::{check_bits, check_channels};
-
-/// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
-/// capacity.
-const MICROSCAN3_BEAMS: u16 = 2_751;
-
-/// Bit rates of an S300 with which its scans come before the guard takes it for late (book, SICK S300: Line).
-const S300_BAUDS: [u32; 4] = [115_200, 125_000, 250_000, 500_000];
 
 pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {
     let mounting = Mounting {
@@ -59,7 +47,7 @@ pub(super) fn read_source<T>(
 }
 
 /// The port to bind, and the only device that is listened to there, if one is named.
-fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
+pub(super) fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
     let source = read_source(section, example, DatagramAddress::parse);
     let text =
         section.text_or_absent("sender", "192.168.1.201", "the sender that is understood first counts");
@@ -78,104 +66,6 @@ pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
     let device = read_source(section, "serial:/dev/ttyUSB0", parse_serial);
     let baud = section.integer("baud", 9_600..=4_000_000) as u32;
     Some(SerialAddress { device: device?, baud })
-}
-
-pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
-    let models = [
-        ("vlp16", LidarModel::Vlp16),
-        ("auto", LidarModel::Auto),
-        ("puck-hi-res", LidarModel::PuckHiRes),
-        ("vlp32c", LidarModel::Vlp32c),
-        ("hdl32e", LidarModel::Hdl32e),
-        ("pandar-xt16", LidarModel::PandarXt16),
-    ];
-    let model = section.choice("model", &models);
-    let source = read_datagrams(&section, "udp:0.0.0.0:2368");
-    let mounting = read_mounting(section.section("mounting"));
-    section.finish();
-    Some((LidarConfiguration { model: model?, mounting }, source?))
-}
-
-pub(super) fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAddress)> {
-    let (model, source) = read_scanner_device(&section);
-    let (mounting, sector_rad) = read_scanner_place(&section);
-    section.finish();
-    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
-}
-
-/// The second scanner: an S300 on a line of its own.
-pub(super) fn read_rear_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddress)> {
-    let model = section.choice("model", &[("s300", ScannerModel::S300)]);
-    let line = read_s300_line(&section, model);
-    let (mounting, sector_rad) = read_scanner_place(&section);
-    section.finish();
-    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, line?))
-}
-
-/// Mounting, and the sector that the body does not cover.
-fn read_scanner_place(section: &Reader<'_>) -> (Mounting, [f32; 2]) {
-    let mounting = read_mounting(section.section("mounting"));
-    if mounting.position.z_m > 0.2 {
-        let what = format!(
-            "{}: the scan plane is {} m high, allowed is up to 0.2 m",
-            section.title(),
-            mounting.position.z_m
-        );
-        let remedy = "mount the scanner lower: feet and children must cross the plane";
-        section.refuse_to_drive(section.span(), what, remedy);
-    }
-    let sector_rad = [
-        radians(section.number_or("sector_first_deg", -135.0..=0.0, -135.0)),
-        radians(section.number_or("sector_last_deg", 0.0..=135.0, 135.0)),
-    ];
-    (mounting, sector_rad)
-}
-
-/// The model, and what it is connected to: an S300 has a line, a microScan3 sends datagrams and says how many beams.
-pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<ScannerAddress>) {
-    let finest = ScannerModel::MicroScan3 { beams: MICROSCAN3_BEAMS };
-    let model = section.choice("model", &[("s300", ScannerModel::S300), ("microscan3", finest)]);
-    let beams =
-        section.integer_or("beams", 276..=i64::from(MICROSCAN3_BEAMS), i64::from(MICROSCAN3_BEAMS)) as u16;
-    if let Some(ScannerModel::MicroScan3 { .. }) = model {
-        let model = ScannerModel::MicroScan3 { beams };
-        let source = read_datagrams(section, "udp:0.0.0.0:6060");
-        return (Some(model), source.map(ScannerAddress::Datagrams));
-    }
-    if let Some(sender) = section.find("sender") {
-        section.refuse(
-            &sender.span(),
-            "[scanner]: `sender` is given, and an S300 is connected by a line of its own",
-            "leave `sender` out, or write model = \"microscan3\"",
-        );
-    }
-    if section.find("beams").is_some() {
-        section.refuse(
-            section.span(),
-            "[scanner]: `beams` is given, and an S300 always sends 541",
-            "leave `beams` out, or write model = \"microscan3\"",
-        );
-    }
-    let line = read_s300_line(section, model);
-    (model, line.map(ScannerAddress::Serial))
-}
-
-fn read_s300_line(section: &Reader<'_>, model: Option<ScannerModel>) -> Option<SerialAddress> {
-    let line = read_serial(section);
-    if let (Some(line), true) = (&line, model.is_some() && section.good_so_far())
-        && !S300_BAUDS.contains(&line.baud)
-    {
-        section.refuse_to_drive(
-            &section.find("baud").map_or(section.span().clone(), |value| value.span()),
-            format!(
-                "{}: `baud` is {}, an S300 has no such rate, or its scans come too late with it",
-                section.title(),
-                line.baud
-            ),
-            "write 500000, 250000, 125000 or 115200, as it is set in the scanner",
-        );
-    }
-    line
 }
 
 pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {

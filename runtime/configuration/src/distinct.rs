@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::actuated_lidar::ActuatedLidarConfiguration;
-use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SerialAddress};
 use crate::command::CommandAddress;
 use crate::reader::Reader;
 
@@ -28,6 +28,8 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
     match addresses.scanner {
         ScannerAddress::Serial(line) => lines.push(("scanner", &line.device)),
         ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
+        ScannerAddress::Wire(ScipAddress::Serial(line), _) => lines.push(("scanner", &line.device)),
+        ScannerAddress::Wire(ScipAddress::Tcp(_), _) => {}
     }
     lines.extend(addresses.rear_scanner.map(|line| ("rear_scanner", line.device.as_path())));
     lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));

@@ -14,6 +14,7 @@ mod distinct;
 mod fields;
 mod fleet;
 mod learning;
+mod lidar;
 mod limits;
 mod mission;
 mod motors;
@@ -25,13 +26,16 @@ mod read;
 mod reader;
 mod reference;
 mod ros2;
+mod scanner;
 mod sensors;
 mod warnings;
 mod wheels;
 
 pub use absent::{Absence, absences};
-pub use actuated_lidar::{ActuatedLidarConfiguration, ScipAddress, ScipModel};
-pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
+pub use actuated_lidar::{ActuatedLidarConfiguration, ScipModel};
+pub use address::{
+    BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SenderAddress, SerialAddress,
+};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
@@ -41,6 +45,7 @@ pub use coverage::{
 };
 pub use fleet::FleetConfiguration;
 pub use learning::LearningConfiguration;
+pub use lidar::{bridged_keys, ouster_example, ouster_format, ouster_keys};
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};

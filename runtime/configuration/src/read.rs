@@ -13,7 +13,7 @@ use toml::de::DeTable;
 use super::actuated_lidar::ActuatedLidarConfiguration;
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::base::{BaseSection, Drives};
-use super::camera::{CameraConfiguration, CameraSource, read_camera};
+use super::camera::{CameraConfiguration, CameraSource};
 use super::command::{CommandConfiguration, read_command};
 use super::coverage::{
     Accepted, AcceptedGap, Coverage, DirectionLimit, GapSpeed, Refusal, read_accepted, unseen_limits,
@@ -28,6 +28,7 @@ use super::panel::{PanelConfiguration, read_panel};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
 use super::ros2::{RosConfiguration, read_ros2};
+use super::scanner::ReadScanner;
 use super::sensors::{Sensors, fitted};
 
 /// The addresses of the carriers.
@@ -72,6 +73,8 @@ pub struct HostedConfiguration {
     pub accepted_gaps: Vec<AcceptedGap>,
     /// Those of them that are accepted up to a speed.
     pub gap_speeds: Vec<GapSpeed>,
+    /// So fast it may be behind a scanner that is no safety device, if it has one, m/s.
+    pub uncertified_mps: Option<f32>,
     /// Who drives it from outside; without it, it drives itself.
     pub command: Option<CommandConfiguration>,
     /// What the operator's panel shows besides the robot.
@@ -104,7 +107,20 @@ impl HostedConfiguration {
     fn limit_unseen(&mut self) {
         let slower = !self.gap_speeds.is_empty();
         let limits = if slower { self.direction_limits(&self.sight()) } else { Vec::new() };
-        self.robot.unseen = unseen_limits(&self.robot, &limits);
+        let unseen = unseen_limits(&self.robot, &limits);
+        self.robot.unseen = self.uncertified_mps.map_or(unseen, |mps| limited(unseen, mps));
+    }
+}
+
+/// No direction is faster than this, m/s.
+fn limited(limits: UnseenLimits, mps: f32) -> UnseenLimits {
+    UnseenLimits {
+        forward_mps: limits.forward_mps.min(mps),
+        turning_mps: limits.turning_mps.min(mps),
+        spinning_mps: limits.spinning_mps.min(mps),
+        reverse_mps: limits.reverse_mps.min(mps),
+        unknown_rear_mps: limits.unknown_rear_mps.min(mps),
+        ..limits
     }
 }
 
@@ -168,10 +184,9 @@ pub fn parse_recorded(file: &str, text: &str) -> Result<RecordedConfiguration, R
 fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let base = BaseSection::read(&top);
     let (geometry, train) = base.read_geometry(top.section("robot")).unzip();
-    let limits = read_limits(top.section("limits"));
     let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
     let sensors = Sensors::read(&top);
-    let camera = top.optional_section("camera").map(read_camera);
+    let limits = sensors.slowed(read_limits(top.section("limits")));
     let (thresholds, accepted) = optional(&top, "guard", read_thresholds);
     let drives = base.read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
@@ -183,7 +198,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let panel = optional(&top, "panel", |section| read_panel(section, drives.as_ref().and_then(Drives::bus)));
     finish(top, &sensors, (drives.as_ref(), command.as_ref()));
     let ((lidar, lidar_address), (imu, imu_address)) = (fitted(sensors.lidar)?, fitted(sensors.imu)?);
-    let (scanner, scanner_address) = sensors.scanner?;
+    let ReadScanner { scanner, address: scanner_address, accepted_mps } = sensors.scanner?;
     let (rear_scanner, rear_scanner_address) = fitted(sensors.rear_scanner)?;
     let (can, can_address, base_address) = drives?.parted();
     Some(HostedConfiguration {
@@ -213,7 +228,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             imu: imu_address,
             can: can_address,
             base: base_address,
-            camera: camera.flatten(),
+            camera: sensors.camera,
             actuated_lidar: sensors.actuated_lidar.flatten(),
         },
         mission,
@@ -223,6 +238,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         learning,
         accepted_gaps: accepted.gaps,
         gap_speeds: accepted.speeds,
+        uncertified_mps: accepted_mps,
         command,
         panel,
     })

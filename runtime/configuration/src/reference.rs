@@ -32,6 +32,11 @@ warning_m = [[-0.80, -0.80], [1.90, -0.80], [1.90, 0.80], [-0.80, 0.80]]
 /// The scanner of the example robot, and the other one: each is asked for what the other does not have.
 const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
 const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
+const RANGING_SCANNER: &str =
+    "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = 0.3\n";
+
+/// The lidar of the example robot.
+const LIDAR: &str = "model = \"vlp16\"\n";
 
 /// The robot that a program outside drives; it has no route of its own.
 const COMMANDED: [&str; 2] = [
@@ -110,6 +115,10 @@ pub fn reference() -> String {
     let wheeled = WHEELS.iter().flat_map(|wheels| rows_of(&on_wheels(*wheels)));
     let motored = MOTORS.iter().flat_map(|base| rows_of(&with_motors(base)));
     let others = others.chain(based).chain(wheeled).chain(motored);
+    let ouster = super::ouster_keys(&super::ouster_example());
+    let others = others.chain(rows_of(&with_all.replace(LINE_SCANNER, RANGING_SCANNER)));
+    let others = others.chain(rows_of(&super::EXAMPLE.replace(LIDAR, &ouster)));
+    let others = others.chain(rows_of(&super::EXAMPLE.replace(LIDAR, &super::bridged_keys())));
     for row in others {
         if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
             rows.push(row);
@@ -173,7 +182,10 @@ are on the CAN bus, and `[can]` names those that this base has: `drive_node`, `s
 (`steering_max_deg` is its alone), a drive on each wheel of a differential or omnidirectional base. Those have no `wheelbase_m` where they
 have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
 `[mission]`; `baud` is that of a serial `source`, `deadline_ms` of a topic of ROS 2 (`ros2:/cmd_vel`), `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
-the first sender that comes. Fields follow from
+the first sender that comes. In `[lidar]`, `profile`, `columns_per_turn`, `columns_per_packet` and the keys that begin with `beam_` are an
+Ouster's: `floorguard lidar-metadata FILE.json` writes them from the metadata that the sensor serves
+([Devices](devices.md#lidar-ouster-os0-os1-os2)). With `model = \"columns\"` a bridge sends the columns of any lidar of 16 rings, whose elevations
+`elevations_deg` names ([Lidar link](wire-formats/lidar-link.md)). Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
@@ -182,7 +194,8 @@ scenario; `start_…` is where the robot is switched on, in the map's frame. Wit
 master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
 `fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. With `[ros2]`, or a `source` of ROS 2 in
 `[command]`, the robot is live in ROS 2 ([ROS 2](ros2.md)); the program must be built with the feature `ros2`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's. `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
+the lidar's; a Hokuyo, a TiM, an LMS and an RPLidar are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
+without `accept_uncertified_mps`, the greatest speed of any direction; where nothing comes back to them it is unknown, never free ([Ranging scanners](wire-formats/ranging.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.

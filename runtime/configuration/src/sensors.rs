@@ -1,13 +1,18 @@
 //! The sensors that the guard listens to: read together, because two of them share no line, and two scanners share a plane.
 
-use floorguard_runtime::configuration::{ImuConfiguration, LidarConfiguration, ScannerConfiguration};
+use floorguard_runtime::configuration::{
+    ImuConfiguration, LidarConfiguration, Limits, ScannerConfiguration, ScannerModel,
+};
 
 use super::actuated_lidar::{ActuatedLidarConfiguration, check_motor_bus, read_actuated_lidar};
-use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, SerialAddress};
+use super::camera::{CameraConfiguration, read_camera};
 use super::command::CommandAddress;
-use super::devices::{read_imu, read_lidar, read_rear_scanner, read_scanner};
+use super::devices::read_imu;
 use super::distinct::{Addresses, check_addresses};
+use super::lidar::read_lidar;
 use super::reader::Reader;
+use super::scanner::{ReadScanner, read_rear_scanner, read_scanner};
 
 /// Scan planes whose heights differ by more are not one, metres.
 const SAME_PLANE_M: f32 = 0.01;
@@ -22,9 +27,10 @@ pub(super) type Read<C, A> = Option<(C, A)>;
 /// The sensors that the guard listens to, as far as they were read.
 pub(super) struct Sensors {
     pub(super) lidar: Option<Read<LidarConfiguration, DatagramAddress>>,
-    pub(super) scanner: Read<ScannerConfiguration, ScannerAddress>,
+    pub(super) scanner: Option<ReadScanner>,
     pub(super) rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
     pub(super) imu: Option<Read<ImuConfiguration, SerialAddress>>,
+    pub(super) camera: Option<CameraConfiguration>,
     /// None of the guard's, but it shares no line with them either.
     pub(super) actuated_lidar: Option<Option<ActuatedLidarConfiguration>>,
 }
@@ -36,8 +42,16 @@ impl Sensors {
             scanner: read_scanner(top.section_because("scanner", NO_SCANNER)),
             rear_scanner: top.optional_section("rear_scanner").map(read_rear_scanner),
             imu: top.optional_section("imu").map(read_imu),
+            camera: top.optional_section("camera").and_then(read_camera),
             actuated_lidar: top.optional_section("actuated_lidar").map(read_actuated_lidar),
         }
+    }
+
+    /// The limits of a robot whose scanner may be slower than a safety scanner: it reacts so much later.
+    pub(super) fn slowed(&self, limits: Limits) -> Limits {
+        let model = self.scanner.as_ref().map(|read| read.scanner.model);
+        let Some(ScannerModel::Ranging(ranging)) = model else { return limits };
+        Limits { response_s: limits.response_s + ranging.later_s(), ..limits }
     }
 
     /// What two devices cannot share, and what two scanners must.
@@ -46,7 +60,7 @@ impl Sensors {
         top: &Reader<'_>,
         (can, base, command): (Option<&CanAddress>, Option<&BaseAddress>, Option<&CommandAddress>),
     ) {
-        let Some((first, scanner)) = &self.scanner else { return };
+        let Some(ReadScanner { scanner: first, address: scanner, .. }) = &self.scanner else { return };
         let (lidar, imu) = (address_of(&self.lidar), address_of(&self.imu));
         let rear_scanner = address_of(&self.rear_scanner);
         let actuated_lidar = self.actuated_lidar.as_ref().and_then(Option::as_ref);

@@ -3,7 +3,7 @@
 use core::f32::consts::FRAC_PI_2;
 
 use floorguard_drivers::flexisoft::InputBits;
-use floorguard_runtime::configuration::{BaseKind, Mounting};
+use floorguard_runtime::configuration::{BaseKind, Mounting, ScannerModel};
 
 use super::motors::shortcomings;
 use super::read::HostedConfiguration;
@@ -18,6 +18,18 @@ impl HostedConfiguration {
         let mountings = sensors.into_iter().chain(imu);
         let mut warnings: Vec<String> =
             mountings.filter_map(|(name, mounting)| of_mounting(name, &mounting)).collect();
+        if let (ScannerModel::Ranging(ranging), Some(mps)) = (robot.scanner.model, self.uncertified_mps) {
+            warnings.push(format!(
+                "[scanner]: a {} is no safety device: nothing about it is certified, and what it does not see stops nobody; at most {mps} m/s",
+                ranging.name()
+            ));
+            let [_, farthest_m] = ranging.geometry().range_m;
+            warnings.push(format!(
+                "[scanner]: where nothing comes back to a {} nothing is known, and the robot stands while a part of its field is \
+                 unknown: before walls farther than {farthest_m} m, black or tilted glass, and in the open it does not drive",
+                ranging.name()
+            ));
+        }
         let inputs = &robot.can.inputs;
         let fitted =
             [("bumper_front_bits", Some(inputs.bumper_front)), ("bumper_rear_bits", inputs.bumper_rear)];
@@ -65,6 +77,23 @@ mod tests {
             text.replacen(from, to, 1)
         });
         parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).warnings()
+    }
+
+    /// What a scanner without safety costs is reported with its range.
+    #[test]
+    fn fg_req_085_scanner_without_safety_is_pointed_out() {
+        let safe = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+        for (model, farthest) in [("hokuyo-ust", "30 m"), ("hokuyo-urg-04lx", "4 m"), ("rplidar-a", "12 m")] {
+            let keys = format!(
+                "model = \"{model}\"\nsource = \"serial:/dev/ttyACM0\"\naccept_uncertified_mps = 0.3\n"
+            );
+            let found = warnings(&[(safe, &keys)]);
+            assert!(
+                found.len() == 2 && found[0].contains("no safety device") && found[0].contains("0.3 m/s"),
+                "{found:?}"
+            );
+            assert!(found[1].contains(farthest) && found[1].contains("it does not drive"), "{found:?}");
+        }
     }
 
     #[test]

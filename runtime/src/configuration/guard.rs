@@ -189,7 +189,11 @@ impl RobotConfiguration {
     #[must_use]
     pub const fn lidar_model(&self) -> Option<Model> {
         match self.lidar.model {
-            LidarModel::Auto | LidarModel::PandarXt16 => None,
+            LidarModel::Auto
+            | LidarModel::PandarXt16
+            | LidarModel::PandarXt32
+            | LidarModel::Ouster(_)
+            | LidarModel::Bridged(_) => None,
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),

@@ -1,11 +1,12 @@
 //! What the model of the lidar decides: its decoder, and where its rings look.
 
-use floorguard_drivers::hesai;
 use floorguard_drivers::lidar::{AnyDecoder, StraightColumns};
 use floorguard_drivers::velodyne::{self, Model, ModelChoice};
+use floorguard_drivers::{hesai, lidar_link, ouster};
 use floorguard_perception::people::RingAngles;
 use floorguard_types::capacities::{PACKET_RINGS_MAX, SWEEP_RINGS};
 use floorguard_types::number::truncating_u8;
+use floorguard_types::units::radians;
 
 use super::robot::RobotConfiguration;
 use super::sources::LidarModel;
@@ -16,6 +17,17 @@ impl RobotConfiguration {
     pub fn lidar_decoder(&self) -> AnyDecoder {
         match self.lidar.model {
             LidarModel::PandarXt16 => AnyDecoder::Hesai(hesai::Decoder::new().with_lasers_max(16)),
+            LidarModel::PandarXt32 => {
+                AnyDecoder::Hesai(hesai::Decoder::new().with_lasers_max(16).every_second_of_32())
+            }
+            LidarModel::Ouster(beams) => {
+                let mut decoder = ouster::Decoder::new(beams);
+                decoder.set_rings_max(SWEEP_RINGS);
+                AnyDecoder::Ouster(decoder)
+            }
+            LidarModel::Bridged(elevations) => {
+                AnyDecoder::Bridged(lidar_link::Decoder::new(truncating_u8(elevations.len())))
+            }
             _ => {
                 let choice = self.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
                 let lasers = self.lidar_model().map_or(SWEEP_RINGS, Model::lasers);
@@ -32,6 +44,13 @@ impl RobotConfiguration {
     /// (book, Hesai: Angles).
     #[must_use]
     pub fn lidar_elevations_deg(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
+        if let LidarModel::Ouster(beams) = self.lidar.model {
+            let rings = beams.rings(SWEEP_RINGS.min(PACKET_RINGS_MAX));
+            return rings.iter().map(|channel| beams.elevation_deg(*channel)).collect();
+        }
+        if let LidarModel::Bridged(elevations) = self.lidar.model {
+            return elevations.iter().map(|mdeg| *mdeg as f32 * 1.0e-3).collect();
+        }
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();
         angles.iter().take(model.lasers()).map(|angle| angle.elevation_deg).take(PACKET_RINGS_MAX).collect()
@@ -42,10 +61,15 @@ impl RobotConfiguration {
     pub fn ring_angles(&self) -> RingAngles {
         match self.lidar.model {
             LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-            LidarModel::PandarXt16 => RingAngles::pandar_xt16(),
+            LidarModel::PandarXt16 | LidarModel::PandarXt32 => RingAngles::pandar_xt16(),
             LidarModel::Vlp32c => chosen(Model::Vlp32C),
             LidarModel::Hdl32e => chosen(Model::Hdl32E),
             LidarModel::Auto | LidarModel::Vlp16 => RingAngles::vlp16(),
+            LidarModel::Ouster(beams) => ouster_angles(beams),
+            LidarModel::Bridged(elevations) => {
+                let ring = |mdeg: i32| libm::sincosf(radians(mdeg as f32 * 1.0e-3));
+                RingAngles { rings: elevations.map(ring).map(|(sin, cos)| (sin, cos, 0.0)) }
+            }
         }
     }
 }
@@ -62,4 +86,14 @@ fn chosen(model: Model) -> RingAngles {
         }
     }
     sweep
+}
+
+/// Of the beams that are used.
+fn ouster_angles(beams: &ouster::Beams) -> RingAngles {
+    let mut angles = RingAngles::NONE;
+    for (ring, channel) in angles.rings.iter_mut().zip(&beams.rings(SWEEP_RINGS)) {
+        let (sin, cos) = libm::sincosf(radians(beams.elevation_deg(*channel)));
+        *ring = (sin, cos, beams.height_m(*channel));
+    }
+    angles
 }

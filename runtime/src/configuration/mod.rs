@@ -4,10 +4,12 @@
 mod fields;
 mod guard;
 mod lidar;
+mod ranging;
 mod robot;
 mod sources;
 
 pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
+pub use ranging::{RangingGeometry, RangingModel};
 pub use robot::{BaseKind, Deadlines, DriveTrain, Geometry, Limits, RobotConfiguration};
 pub use sources::{
     CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,

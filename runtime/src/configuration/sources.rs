@@ -3,8 +3,12 @@
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
 use floorguard_drivers::flexisoft::InputMap;
+use floorguard_drivers::ouster::Beams;
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::units::radians;
+
+use super::ranging::RangingModel;
 
 /// Where a sensor sits on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,6 +47,12 @@ pub enum LidarModel {
     Hdl32e,
     /// Hesai PandarXT-16.
     PandarXt16,
+    /// Hesai PandarXT-32, of which every second ring is used: those of a PandarXT-16.
+    PandarXt32,
+    /// Ouster OS0, OS1 or OS2, as its metadata say: hosted programs only. They live as long as the program.
+    Ouster(&'static Beams),
+    /// Any lidar of 16 rings behind a bridge; elevations in thousandths of a degree, the lowest first. Hosted programs only.
+    Bridged(&'static [i32; SWEEP_RINGS]),
 }
 
 /// Three-dimensional lidar.
@@ -54,7 +64,7 @@ pub struct LidarConfiguration {
     pub mounting: Mounting,
 }
 
-/// Which safety laser scanner.
+/// Which scanner the guard looks through.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerModel {
     /// SICK S300 on RS-422.
@@ -65,36 +75,45 @@ pub enum ScannerModel {
         /// Beams over its 275°: 2,751 of a microScan3, 1,651 of a nanoScan3, fewer where its output is thinned out.
         beams: u16,
     },
+    /// A scanner that is no safety device.
+    Ranging(RangingModel),
 }
 
 impl ScannerModel {
-    /// Field of view, degrees, half of it to either side (book, SICK S300: Line; book, microScan3: Test message).
+    /// Field of view, degrees, half of it to either side (book, SICK S300: Line; book, microScan3: Test message), of a safety scanner.
     const fn sector_deg(self) -> f32 {
         match self {
-            Self::S300 => 270.0,
             Self::MicroScan3 { .. } => 275.0,
+            _ => 270.0,
         }
     }
 
     /// Beams of a scan.
     #[must_use]
-    pub const fn beams(self) -> usize {
+    pub fn beams(self) -> usize {
         match self {
             Self::S300 => 541,
-            Self::MicroScan3 { beams } => beams as usize,
+            Self::MicroScan3 { beams } => usize::from(beams),
+            Self::Ranging(model) => usize::from(model.geometry().beams),
         }
     }
 
     /// Angle of the first beam in the sensor's frame, radians; 0 is straight ahead.
     #[must_use]
     pub fn first_angle_rad(self) -> f32 {
-        -radians(self.sector_deg() / 2.0)
+        match self {
+            Self::Ranging(model) => radians(model.geometry().first_deg),
+            _ => -radians(self.sector_deg() / 2.0),
+        }
     }
 
     /// Angle between two beams, radians.
     #[must_use]
     pub fn step_rad(self) -> f32 {
-        radians(self.sector_deg() / self.beams().saturating_sub(1).max(1) as f32)
+        match self {
+            Self::Ranging(model) => radians(model.geometry().step_deg),
+            _ => radians(self.sector_deg() / self.beams().saturating_sub(1).max(1) as f32),
+        }
     }
 }
 

@@ -44,113 +44,55 @@ pub trait BusBase {
     fn report(&self) -> BusReport;
 }
 
-impl BusBase for ThreeWheelBase {
-    type Command = DriveCommand;
+/// The masters of the drivers have these methods of their own.
+macro_rules! bus_base {
+    ($master:ty, $command:ty, $report:path) => {
+        impl BusBase for $master {
+            type Command = $command;
 
-    fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
-        Self::on_frame(self, frame, now, event);
-    }
+            fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+                Self::on_frame(self, frame, now, event);
+            }
 
-    fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
-        Self::poll(self, now, event, send);
-    }
+            fn poll(
+                &mut self,
+                now: Stamp,
+                event: &mut impl FnMut(BaseEvent),
+                send: &mut impl FnMut(&CanFrame),
+            ) {
+                Self::poll(self, now, event, send);
+            }
 
-    fn command(&mut self, command: DriveCommand) {
-        Self::command(self, command);
-    }
+            fn command(&mut self, command: $command) {
+                Self::command(self, command);
+            }
 
-    fn commanded(&self) -> DriveCommand {
-        Self::commanded(self)
-    }
+            fn commanded(&self) -> $command {
+                Self::commanded(self)
+            }
 
-    fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
-        Self::send_command(self, send);
-    }
+            fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
+                Self::send_command(self, send);
+            }
 
-    fn reset_faults(&mut self) {
-        Self::reset_faults(self);
-    }
+            fn reset_faults(&mut self) {
+                Self::reset_faults(self);
+            }
 
-    fn is_whole(&self) -> bool {
-        Self::is_whole(self)
-    }
+            fn is_whole(&self) -> bool {
+                Self::is_whole(self)
+            }
 
-    fn report(&self) -> BusReport {
-        BusReport::of(self)
-    }
+            fn report(&self) -> BusReport {
+                $report(self)
+            }
+        }
+    };
 }
 
-impl BusBase for WheelDrives {
-    type Command = WheelCommand;
-
-    fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
-        Self::on_frame(self, frame, now, event);
-    }
-
-    fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
-        Self::poll(self, now, event, send);
-    }
-
-    fn command(&mut self, command: WheelCommand) {
-        Self::command(self, command);
-    }
-
-    fn commanded(&self) -> WheelCommand {
-        Self::commanded(self)
-    }
-
-    fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
-        Self::send_command(self, send);
-    }
-
-    fn reset_faults(&mut self) {
-        Self::reset_faults(self);
-    }
-
-    fn is_whole(&self) -> bool {
-        Self::is_whole(self)
-    }
-
-    fn report(&self) -> BusReport {
-        BusReport::of_wheels(self)
-    }
-}
-
-impl BusBase for MotorDrives {
-    type Command = WheelCommand;
-
-    fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
-        Self::on_frame(self, frame, now, event);
-    }
-
-    fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
-        Self::poll(self, now, event, send);
-    }
-
-    fn command(&mut self, command: WheelCommand) {
-        Self::command(self, command);
-    }
-
-    fn commanded(&self) -> WheelCommand {
-        Self::commanded(self)
-    }
-
-    fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
-        Self::send_command(self, send);
-    }
-
-    fn reset_faults(&mut self) {
-        Self::reset_faults(self);
-    }
-
-    fn is_whole(&self) -> bool {
-        Self::is_whole(self)
-    }
-
-    fn report(&self) -> BusReport {
-        BusReport::of_motors(self)
-    }
-}
+bus_base!(ThreeWheelBase, DriveCommand, BusReport::of);
+bus_base!(WheelDrives, WheelCommand, BusReport::of_wheels);
+bus_base!(MotorDrives, WheelCommand, BusReport::of_motors);
 
 /// How a base turns a permitted velocity into a command to its drives (book, Odometry: Bases).
 pub trait BaseKinematics: Copy + PartialEq {

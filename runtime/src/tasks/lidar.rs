@@ -10,8 +10,9 @@ use crate::clock;
 use crate::io::DatagramReceiver;
 use crate::shared::{QueuedPacket, Shared};
 
-/// Longer than the largest datagram of the family (1,206 bytes): a longer one must not pass for a right one.
-const DATAGRAM_BYTES: usize = 1_300;
+/// Longer than the largest datagram, so that a longer one does not pass for a right one: on a microcontroller that of the Velodyne
+/// family (1,206 bytes), elsewhere that of an Ouster with 128 beams and two echoes (33,024 bytes).
+const DATAGRAM_BYTES: usize = if cfg!(target_os = "none") { 1_300 } else { 33_100 };
 /// More than one firing of a packet is remembered where the guard is set up for it: a microcontroller has no time for that.
 const HAS_TIME: bool = cfg!(not(target_os = "none"));
 /// Pause after a failure of the socket, milliseconds.

@@ -1,10 +1,13 @@
 //! The safety scanners: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP.
 
+use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use embassy_time::Timer;
-use embedded_io_async::Read;
+use embassy_time::{Duration, Ticker, Timer};
+use embedded_io_async::{Read, Write};
+use floorguard_drivers::ranging::{RangingEvent, RangingScanner};
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::{FaultKind, Source};
+use floorguard_types::profile::Native;
 use floorguard_types::sensing::Scan;
 use floorguard_types::time::Stamp;
 
@@ -20,6 +23,12 @@ const DATAGRAM_BYTES: usize = 1_600;
 pub const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DEGREE;
 /// Bits 0 and 1 of the last byte of its state (book, microScan3: Blocks).
 const DEVICE_ERROR: u16 = 0x03;
+/// A scan of a ranging scanner has some thousand bytes.
+const RANGING_PORTION_BYTES: usize = 1_024;
+/// How often such a scanner is asked for what is due, milliseconds.
+const POLL_MS: u64 = 20;
+/// Commands of one poll.
+const COMMAND_BYTES: usize = 128;
 /// Pause after a failure of the line, milliseconds.
 const RETRY_MS: u64 = 20;
 
@@ -172,6 +181,52 @@ pub async fn scanner_datagrams<M: RawMutex>(
         if is_understood {
             socket.keep_sender();
         }
+    }
+}
+
+/// A scanner that is no safety device: it is asked to measure, over a line or a connection. Guard ring. Runs for ever.
+pub async fn ranging_scanner<M: RawMutex>(
+    shared: &Shared<M>,
+    mut line: impl Read + Write,
+    mut scanner: impl RangingScanner<Native>,
+) {
+    let mut ticker = Ticker::every(Duration::from_millis(POLL_MS));
+    let mut portion = [0; RANGING_PORTION_BYTES];
+    loop {
+        match select(line.read(&mut portion), ticker.next()).await {
+            Either::First(Ok(count)) if count > 0 => {
+                let (bytes, now) = (portion.get(..count).unwrap_or_default(), clock::now());
+                scanner.push(bytes, now, &mut |event| take_in(shared, &event, now));
+            }
+            Either::First(_) => {
+                link_down::<Front, M>(shared).await;
+            }
+            Either::Second(()) => {}
+        }
+        let now = clock::now();
+        let mut commands = heapless::Vec::<u8, COMMAND_BYTES>::new();
+        // One poll sends a short command or two.
+        let mut send = |bytes: &[u8]| {
+            let _ = commands.extend_from_slice(bytes);
+        };
+        scanner.poll(now, &mut send, &mut |event| take_in(shared, &event, now));
+        if !commands.is_empty() && line.write_all(&commands).await.is_err() {
+            count_one(shared, Front::errors);
+        }
+    }
+}
+
+/// What it reports, for the guard. A sensor that does not answer is absent or stale by its age.
+fn take_in<M: RawMutex>(shared: &Shared<M>, event: &RangingEvent<'_, Native>, now: Stamp) {
+    match event {
+        RangingEvent::Scan(scan) => {
+            hand_on(shared, scan, now);
+            shared.scans.push(|slot| slot.copy_thinned(scan, SEARCHED_STEP_RAD));
+        }
+        RangingEvent::StandBy => fault::<Front, M>(shared, FaultKind::StandBy, now),
+        RangingEvent::Fault(code) => fault::<Front, M>(shared, FaultKind::Device(*code), now),
+        RangingEvent::Unsuitable => fault::<Front, M>(shared, FaultKind::WrongGeometry, now),
+        RangingEvent::Refused | RangingEvent::Silent => count_one(shared, Front::refused),
     }
 }
 

@@ -1,7 +1,12 @@
 //! Real messages of the simulated devices: what fuzzing begins with.
 
+use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_sim::can::CanFrame;
+use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
+use floorguard_sim::wire::{
+    ColaHeader, ColumnsDatagram, OusterPacket, cola_scan, rplidar_capsule, rplidar_descriptor,
+};
 use floorguard_sim::{Payload, Simulation, Stream};
 
 /// Messages of each stream, as the simulated devices send them.
@@ -48,4 +53,71 @@ fn telegrams(bytes: &[u8]) -> Vec<Vec<u8>> {
     let header = &bytes[..10];
     let distance = (1..bytes.len()).find(|at| bytes[*at..].starts_with(header)).unwrap_or(bytes.len());
     bytes.chunks_exact(distance).map(<[u8]>::to_vec).collect()
+}
+
+/// Datagrams of a bridge of two rings.
+#[must_use]
+pub fn bridged_datagrams() -> Vec<Vec<u8>> {
+    let datagram = |number: u32| {
+        let mut datagram = ColumnsDatagram::new((7, number), 9_000_000 + u64::from(number) * 2_000, 2);
+        for column in 0..16_u16 {
+            datagram.column((number as u16 * 560 + column * 35) % 36_000, column * 98, &[(250, 10), (0, 0)]);
+        }
+        datagram.into_bytes()
+    };
+    (0..60).map(datagram).collect()
+}
+
+/// Scans of a SICK TiM.
+#[must_use]
+pub fn cola_scans() -> Vec<Vec<u8>> {
+    let scan = |number: u16| {
+        let begun_us = u32::from(number) * 66_667;
+        let header = ColaHeader {
+            scan: number,
+            clock_us: [begun_us, begun_us + 50_000],
+            turns_chz: 1_500,
+            angles: (-450_000, 3_333),
+            ..ColaHeader::default()
+        };
+        let distances: Vec<u32> = (0..811).map(|beam| (beam * 37 + u32::from(number)) % 9_000).collect();
+        cola_scan(&header, &distances)
+    };
+    (0..4).map(scan).collect()
+}
+
+/// The answer of an RPLidar of the A series to a request to measure: a descriptor, and capsules of 28.8° of four turns.
+#[must_use]
+pub fn rplidar_turns() -> Vec<Vec<u8>> {
+    let capsule = |number: u16| {
+        let angle_q6 = ((u32::from(number) * 1_843) % 23_040) as u16;
+        let samples: Vec<(u16, u8)> =
+            (0..32).map(|sample| (2_000 + number * 40 + sample, (sample % 4) as u8)).collect();
+        rplidar_capsule(angle_q6, number == 0, &samples)
+    };
+    [rplidar_descriptor(84, true, 0x82)].into_iter().chain((0..50).map(capsule)).collect()
+}
+
+/// An Ouster of 16 beams that look to either side, and one turn of it.
+#[must_use]
+pub fn ouster_turn() -> (Beams, Vec<Vec<u8>>) {
+    let mut beams = Beams { format: DataFormat::Dual, ..Beams::even(16, (15_000, -15_000)) };
+    for (azimuth, angle) in
+        beams.azimuth_mdeg.iter_mut().zip([4_230, 1_410, -1_410, -4_230].into_iter().cycle())
+    {
+        *azimuth = angle;
+    }
+    let packet = |first: u16| {
+        let mut packet = OusterPacket::new(OusterFormat::Dual, (16, 16), 7);
+        for column in 0..16_u16 {
+            let number = first + column;
+            packet.set_column(usize::from(column), 9_000_000_000 + u64::from(number) * 97_656, number);
+            for channel in 0..16 {
+                let range_mm = 1_000 + u32::from(number) * 3 + channel as u32 * 40;
+                packet.set_pixel((usize::from(column), channel), range_mm, 40);
+            }
+        }
+        packet.into_bytes()
+    };
+    (beams, (0..1_024).step_by(16).map(packet).collect())
 }

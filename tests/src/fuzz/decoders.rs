@@ -2,7 +2,10 @@
 #![allow(clippy::missing_panics_doc)] // That they panic at a wrong answer is what they are for.
 
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
+use floorguard_drivers::lidar_link::Decoder as Bridged;
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
+use floorguard_drivers::ouster::{Beams, Decoder as Ouster};
+use floorguard_drivers::ranging::{Cola, RPLIDAR_A, RangingEvent, RangingScanner, Rplidar, TIM5XX};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velocity_link::{
@@ -12,6 +15,7 @@ use floorguard_drivers::velodyne::{Decoder, Gprmc, ModelChoice, PositionPacket};
 use floorguard_drivers::xsens::{FrameReceiver, Measurement};
 use floorguard_sim::can::CanFrame as SimulatedFrame;
 use floorguard_sim::wire::SentVelocity;
+use floorguard_types::profile::Native;
 use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
@@ -36,6 +40,102 @@ pub fn velodyne(datagrams: &[Vec<u8>]) -> u64 {
     let counted = decoder.counters();
     assert_eq!(u64::from(counted.accepted), accepted, "counted is what was delivered");
     accepted
+}
+
+/// Datagrams of an Ouster, one after another. Whatever came before: the next right ones are understood.
+pub fn ouster(beams: &Beams, datagrams: &[Vec<u8>], right: &[Vec<u8>]) -> u64 {
+    let mut decoder = Ouster::new(beams);
+    let (mut accepted, mut now_us) = (0, 1_000_000);
+    for bytes in datagrams {
+        now_us += 1_563;
+        if let Ok((packet, _)) = decoder.decode(bytes, at(now_us)) {
+            accepted += 1;
+            assert!(packet.columns.iter().all(|column| column.azimuth_cdeg < 36_000));
+            assert!(packet.stamp <= at(now_us), "a packet from the future");
+        }
+    }
+    let understood = right.iter().filter(|bytes| {
+        now_us += 1_563;
+        decoder.decode(bytes, at(now_us)).is_ok()
+    });
+    assert!(understood.count() > 0 || right.is_empty(), "it did not find back into step");
+    accepted
+}
+
+/// Datagrams of a bridge of two rings, one after another.
+pub fn lidar_link(datagrams: &[Vec<u8>]) -> u64 {
+    let mut decoder = Bridged::new(2);
+    let mut accepted = 0;
+    for (step, bytes) in datagrams.iter().enumerate() {
+        let now = at(1_000_000 + step as u64 * 2_000);
+        if let Ok((packet, _)) = decoder.decode(bytes, now) {
+            accepted += 1;
+            assert!(packet.columns.iter().all(|column| column.azimuth_cdeg < 36_000) && packet.stamp <= now);
+        }
+    }
+    accepted
+}
+
+/// Bytes of a SICK TiM in portions of so many. Whatever came before: the next right telegram is understood.
+pub fn cola(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
+    let mut scanner = Cola::new(TIM5XX);
+    let (mut scans, mut now_us) = (0, 1_000_000);
+    let mut push = |part: &[u8], now_us: u64| {
+        let mut scans = 0;
+        scanner.push(part, at(now_us), &mut |event| {
+            if let RangingEvent::Scan(scan) = event {
+                scans += 1;
+                let is_known =
+                    |beam: &BeamReturn| matches!(beam, BeamReturn::Hit(50..=25_000) | BeamReturn::Unknown);
+                assert!(scan.beams.iter().all(is_known) && scan.stamp <= at(now_us));
+            }
+        });
+        scans
+    };
+    for part in bytes.chunks(portion.max(1)) {
+        now_us += 1_000;
+        scans += push(part, now_us);
+    }
+    assert_eq!(push(right, now_us + 100_000), 1, "it did not find back into step");
+    scans
+}
+
+/// Bytes of an RPLidar in portions of so many. Whatever came before: it is asked anew once it is silent or not understood, and its
+/// right answer becomes scans.
+pub fn rplidar(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
+    let mut scanner = Rplidar::new(RPLIDAR_A);
+    let mut push = |part: &[u8], now_us: u64| {
+        let (mut scans, mut is_asked) = (0, false);
+        let mut take = |event: RangingEvent<'_, Native>| {
+            if let RangingEvent::Scan(scan) = event {
+                scans += 1;
+                let is_known =
+                    |beam: &BeamReturn| matches!(beam, BeamReturn::Hit(150..=12_000) | BeamReturn::Unknown);
+                assert!(
+                    scan.beams.iter().all(is_known) && scan.stamp <= at(now_us) && scan.beams.len() == 300
+                );
+            }
+        };
+        scanner.push(part, at(now_us), &mut take);
+        let mut send = |sent: &[u8]| is_asked |= sent.starts_with(&[0xA5, 0x82]);
+        scanner.poll(at(now_us), &mut send, &mut take);
+        (scans, is_asked)
+    };
+    let (mut scans, mut now_us) = (0, 1_000_000);
+    for part in bytes.chunks(portion.max(1)) {
+        now_us += 20_000;
+        scans += push(part, now_us).0;
+    }
+    let mut found = 0;
+    // Until it is asked in the way that it was not asked in before.
+    for _ in 0..700 {
+        now_us += 20_000;
+        if push(&[], now_us).1 {
+            found += right.chunks(84).map(|part| push(part, now_us).0).sum::<u64>();
+        }
+    }
+    assert!(found > 0, "it did not find back into step");
+    scans
 }
 
 /// A datagram of the lidar's position port.

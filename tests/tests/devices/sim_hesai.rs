@@ -104,7 +104,7 @@ fn robot_with_a_pandar_stops_before_boards() {
     let drive = |fault: Option<&str>| {
         let scenario = load_scenario(path.as_ref()).unwrap();
         let plan = Plan::of("board-70", scenario, 1, 10_000_000).unwrap();
-        let mut plan = plan.with_pandar_xt16().unwrap();
+        let mut plan = plan.with_lidar("model = \"pandar-xt16\"").unwrap();
         plan.lidar_grain = 2;
         plan.faults.extend(fault.map(|text| FaultSpec::parse(text).unwrap()));
         let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};

@@ -6,7 +6,10 @@ use floorguard_configuration::EXAMPLE;
 use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
-use floorguard_tests::fuzz::{Corpus, corrupt, decoders, files, messages, motors, pick};
+use floorguard_tests::fuzz::{
+    Corpus, bridged_datagrams, cola_scans, corrupt, decoders, files, messages, motors, ouster_turn, pick,
+    rplidar_turns,
+};
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
 fn campaign(trials: u64, trial: impl FnMut(&mut Random) -> u64) {
@@ -39,6 +42,52 @@ fn fuzz_velodyne() {
     campaign(8_000, |random| {
         let datagrams: Vec<_> = (0..1 + random.below(3)).map(|_| corrupted(&corpus, 2_048, random)).collect();
         decoders::velodyne(&datagrams)
+    });
+}
+
+#[test]
+fn fuzz_ouster() {
+    let (beams, turn) = ouster_turn();
+    campaign(2_000, |random| {
+        let from = random.below(50) as usize;
+        let mut datagrams: Vec<Vec<u8>> = turn[from..from + 4].to_vec();
+        for datagram in &mut datagrams {
+            if random.seldom(2) {
+                corrupt(datagram, pick::<Vec<u8>>(&turn, random), 8_192, random);
+            }
+        }
+        // A wrong number of turn or column may make half a turn look repeated; after that the next packets are taken.
+        decoders::ouster(&beams, &datagrams, &turn)
+    });
+}
+
+#[test]
+fn fuzz_lidar_link() {
+    let corpus = bridged_datagrams();
+    campaign(8_000, |random| {
+        let mut datagrams: Vec<Vec<u8>> = (0..3).map(|_| pick::<Vec<u8>>(&corpus, random).clone()).collect();
+        corrupt(&mut datagrams[1], pick::<Vec<u8>>(&corpus, random), 4_096, random);
+        decoders::lidar_link(&datagrams)
+    });
+}
+
+#[test]
+fn fuzz_cola() {
+    let corpus = cola_scans();
+    campaign(500, |random| {
+        let mut bytes = corpus.concat();
+        corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 40_000, random);
+        decoders::cola(&bytes, 1 + random.below(3_000) as usize, &corpus[3])
+    });
+}
+
+#[test]
+fn fuzz_rplidar() {
+    let corpus = rplidar_turns();
+    campaign(1_000, |random| {
+        let mut bytes = corpus.concat();
+        corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 6_000, random);
+        decoders::rplidar(&bytes, 1 + random.below(700) as usize, &corpus.concat())
     });
 }
 

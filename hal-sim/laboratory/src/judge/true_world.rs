@@ -2,7 +2,10 @@
 
 use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
-use floorguard_sim::robot::{BodyPrism, RobotBody, RobotParameters, ScannerDevice, SensorMount};
+use floorguard_sim::robot::{
+    BodyPrism, HokuyoModel, LidarDevice, RobotBody, RobotParameters, RplidarModel, ScannerDevice,
+    SensorMount, SickModel,
+};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
 use floorguard_sim::simulation::Simulation;
@@ -111,12 +114,37 @@ fn rear_scanner(mount: SensorMount, first: &judge::Sensor) -> judge::Sensor {
     }
 }
 
+/// Elevations of all beams of a lidar, and the step between its columns: also those that the robot does not look at.
+fn beams_of(lidar: LidarDevice) -> (Vec<f32>, f32) {
+    let down = |rings: u8, step_deg: f32| {
+        (0..rings).map(|ring| (15.0 - f32::from(ring) * step_deg).to_radians()).collect()
+    };
+    match lidar {
+        LidarDevice::Vlp16 | LidarDevice::PandarXt16 => (down(16, 2.0), 0.4),
+        LidarDevice::PandarXt32 => (down(32, 1.0), 0.4),
+        LidarDevice::Bridged(elevations) => {
+            (elevations.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians()).collect(), 360.0 / 1_024.0)
+        }
+        LidarDevice::Ouster(device) => {
+            let elevations = device.altitude_mdeg.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians());
+            (elevations.collect(), 360.0 / f32::from(device.columns_per_turn))
+        }
+    }
+}
+
 /// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
 fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
     let (scanner, lidar) = (parameters.scanner, parameters.lidar);
     let (half_deg, beams) = match parameters.scanner_device {
         ScannerDevice::S300 => (135.0_f32, 541),
         ScannerDevice::MicroScan3(beams) => (137.5, beams),
+        ScannerDevice::Hokuyo(HokuyoModel::Ust) => (135.0, 1_081),
+        ScannerDevice::Hokuyo(HokuyoModel::Urg04lx) => (119.5, 680),
+        ScannerDevice::Sick(SickModel::Tim5xx) => (135.0, 811),
+        ScannerDevice::Sick(SickModel::Lms1xx) => (135.0, 541),
+        // All around: the first beam is the last one, too.
+        ScannerDevice::Rplidar(RplidarModel::A) => (180.0, 301),
+        ScannerDevice::Rplidar(RplidarModel::S) => (180.0, 721),
     };
     let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
     let scanner = judge::Sensor {
@@ -131,12 +159,12 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         beams_min: 2,
     };
     let rear_scanner = parameters.rear_scanner.map(|mount| rear_scanner(mount, &scanner));
-    let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
+    let (elevations_rad, step_deg) = beams_of(parameters.lidar_device);
     let lidar = judge::Sensor {
         name: "lidar".to_owned(),
         at_m: [lidar.x_m, lidar.y_m, lidar.z_m],
         yaw_rad: lidar.yaw_rad,
-        view: judge::SensorView::Rings { elevations_rad, step_rad: 0.4_f32.to_radians() },
+        view: judge::SensorView::Rings { elevations_rad, step_rad: step_deg.to_radians() },
         range_m: [0.45, 100.0],
         above_floor_m: FLOOR_M[0],
         ..scanner.clone()

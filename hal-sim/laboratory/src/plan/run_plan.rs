@@ -24,6 +24,9 @@ use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
 use floorguard_robot::learning::LearningSetup;
 use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings};
 
+/// So fast a simulated robot may be behind a scanner that is no safety device, m/s.
+const ACCEPTED_MPS: f32 = 0.3;
+
 /// A run of the simulator.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -245,22 +248,35 @@ impl Plan {
     /// # Errors
     /// The example robot cannot carry it.
     pub fn with_scanner(mut self, model: ScannerModel) -> Result<Self, PlanError> {
-        if let ScannerModel::MicroScan3 { beams } = model {
-            let fitted = format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n");
-            let lines = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
-            self.robot_toml = self.robot_toml.replace(lines, &fitted);
-            self.robot.scanner = parse("robot.toml", &self.robot_toml)?.robot.scanner;
+        let fitted = match model {
+            ScannerModel::S300 => return Ok(self),
+            ScannerModel::MicroScan3 { beams } => {
+                format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n")
+            }
+            ScannerModel::Ranging(model) => format!(
+                "model = \"{}\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = {ACCEPTED_MPS:?}\n",
+                model.key()
+            ),
+        };
+        let lines = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+        self.robot_toml = self.robot_toml.replace(lines, &fitted);
+        let robot = parse("robot.toml", &self.robot_toml)?.robot;
+        self.robot.scanner = robot.scanner;
+        if let ScannerModel::Ranging(_) = model {
+            // It is slower, and reacts later.
+            (self.robot.unseen, self.robot.limits, self.robot.fields) =
+                (robot.unseen, robot.limits, robot.fields);
         }
         Ok(self)
     }
 
-    /// With a PandarXT-16 in the place of the VLP-16.
+    /// With another lidar in the place of the VLP-16: the keys of `[lidar]` that say which, such as `model = "pandar-xt16"`.
     ///
     /// # Errors
     /// The example robot cannot carry it.
-    pub fn with_pandar_xt16(mut self) -> Result<Self, PlanError> {
-        let fitted = "[lidar]\nmodel = \"pandar-xt16\"\n";
-        self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", fitted);
+    pub fn with_lidar(mut self, keys: &str) -> Result<Self, PlanError> {
+        let fitted = format!("[lidar]\n{}\n", keys.trim_end());
+        self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", &fitted);
         self.robot.lidar = parse("robot.toml", &self.robot_toml)?.robot.lidar;
         Ok(self)
     }

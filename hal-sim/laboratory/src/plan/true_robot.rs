@@ -1,12 +1,14 @@
 //! The simulated robot that a robot's file describes: its outline becomes a body, its sensors sit where they are mounted.
 
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
+use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_runtime::configuration::{
-    DriveTrain, LidarModel, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+    DriveTrain, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
 use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
-    BodyPrism, LidarDevice, NodeIds, RobotParameters, ScannerDevice, SensorMount, Train,
+    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, RplidarModel,
+    ScannerDevice, SensorMount, SickModel, Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
@@ -25,9 +27,20 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     let scanner_device = match robot.scanner.model {
         ScannerModel::S300 => ScannerDevice::S300,
         ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
+        ScannerModel::Ranging(ranging) => match ranging {
+            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(HokuyoModel::Ust),
+            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(HokuyoModel::Urg04lx),
+            RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
+            RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
+            RangingModel::RplidarA => ScannerDevice::Rplidar(RplidarModel::A),
+            RangingModel::RplidarS => ScannerDevice::Rplidar(RplidarModel::S),
+        },
     };
     let lidar_device = match robot.lidar.model {
         LidarModel::PandarXt16 => LidarDevice::PandarXt16,
+        LidarModel::PandarXt32 => LidarDevice::PandarXt32,
+        LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
+        LidarModel::Bridged(elevations) => LidarDevice::Bridged(elevations),
         _ => LidarDevice::Vlp16,
     };
     let (train, wheelbase_m, track_m) = wheels(robot);
@@ -102,6 +115,24 @@ fn true_motors(motors: &MotorDrivesConfiguration, ticks_per_m: f32) -> MotorPara
         },
         pole_pairs: motors.pole_pairs,
         watchdog_ms: u32::from(motors.watchdog_ms),
+    }
+}
+
+/// The sensor that metadata describe, as the simulator has it.
+fn ouster(beams: &'static Beams) -> OusterDevice {
+    let used = |angles: &'static [i32]| &angles[..usize::from(beams.channels).min(angles.len())];
+    OusterDevice {
+        format: match beams.format {
+            DataFormat::Legacy => OusterFormat::Legacy,
+            DataFormat::Single => OusterFormat::Single,
+            DataFormat::Dual => OusterFormat::Dual,
+            DataFormat::LowRate => OusterFormat::LowRate,
+        },
+        columns_per_turn: beams.columns_per_turn,
+        columns_per_packet: beams.columns_per_packet,
+        altitude_mdeg: used(&beams.altitude_mdeg),
+        azimuth_mdeg: used(&beams.azimuth_mdeg),
+        beam_origin_um: beams.beam_origin_um,
     }
 }
 

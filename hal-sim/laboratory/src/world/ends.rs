@@ -13,7 +13,7 @@ use floorguard_sim::{Payload, Stream, WireEvent};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 
-use floorguard_configuration::{CanAddress, SerialAddress};
+use floorguard_configuration::{CanAddress, ScipAddress, SerialAddress};
 use floorguard_host::carriers::{Listening, PseudoTerminal};
 use floorguard_host::executor::Lateness;
 use floorguard_robot::assembly::PeopleInbox;
@@ -45,6 +45,8 @@ enum CanEnd {
 enum ScannerEnd {
     Serial(PseudoTerminal),
     Datagrams(UdpSocket),
+    /// A scanner that must be asked.
+    Asked(PseudoTerminal),
 }
 
 /// The simulator's ends of the lines.
@@ -115,9 +117,14 @@ impl Ends {
         self.refused += u64::from(!delivered);
     }
 
-    /// What the robot has written to the bus and to the inertial sensor.
-    pub fn receive(&mut self) -> (Vec<SimCanFrame>, Vec<u8>) {
-        (self.can.receive(&mut self.refused), read_all(&self.imu))
+    /// What the robot has written to the bus, to the inertial sensor, and to a scanner that is asked.
+    pub fn receive(&mut self) -> (Vec<SimCanFrame>, [(Stream, Vec<u8>); 2]) {
+        let asked = match &self.scanner {
+            ScannerEnd::Asked(line) => read_all(line),
+            ScannerEnd::Serial(_) | ScannerEnd::Datagrams(_) => Vec::new(),
+        };
+        let written = [(Stream::ImuSerial, read_all(&self.imu)), (Stream::ScannerSerial, asked)];
+        (self.can.receive(&mut self.refused), written)
     }
 
     /// Sleeps until the robot writes something, or a time has passed.
@@ -161,12 +168,17 @@ impl ScannerEnd {
                 let (device, robot) = loopback()?;
                 Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot, Listening::default())))
             }
+            ScannerModel::Ranging(model) => {
+                let line = PseudoTerminal::open().context("no pseudo-terminal")?;
+                let address = SerialAddress { device: line.device.clone(), baud: SCANNER_BAUD };
+                Ok((Self::Asked(line), ScannerLink::Wire(ScipAddress::Serial(address), model)))
+            }
         }
     }
 
     fn send(&self, bytes: &[u8]) -> bool {
         match self {
-            Self::Serial(line) => write_all(line, bytes),
+            Self::Serial(line) | Self::Asked(line) => write_all(line, bytes),
             Self::Datagrams(socket) => socket.send(bytes).is_ok(),
         }
     }

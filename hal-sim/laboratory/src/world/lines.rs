@@ -14,7 +14,7 @@ use floorguard_robot::assembly::ScannerCarrier;
 /// The lines between simulator and robot.
 pub(super) struct Lines {
     pub(super) lidar: DatagramPipe,
-    scanner: ScannerPipe,
+    pub(super) scanner: ScannerPipe,
     rear_scanner: PipeWriter,
     imu: PipeWriter,
     pub(super) can: CanPipe,
@@ -22,7 +22,7 @@ pub(super) struct Lines {
 
 /// The robot's ends of the serial lines.
 pub(super) struct Ends {
-    pub(super) scanner: ScannerCarrier<PipeReader, DatagramPipe>,
+    pub(super) scanner: ScannerCarrier<PipeReader, DatagramPipe, DuplexPipe>,
     pub(super) rear_scanner: PipeReader,
     pub(super) imu: DuplexPipe,
     /// What the robot writes to the inertial sensor.

@@ -5,7 +5,7 @@ use floorguard_mapping::sliding_window::{CellContent, WindowPoint};
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 use floorguard_sim::FaultLayer;
-use floorguard_sim::{Simulation, Stream};
+use floorguard_sim::Simulation;
 use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::time::Stamp;
 
@@ -179,13 +179,13 @@ impl World<'_> {
             latest_us = latest_us.max(now_us - to_us);
             simulation.advance_to(to_us, &mut |event| faults.pass(event, &mut |event| ends.deliver(event)));
             faults.release(to_us, &mut |event| ends.deliver(event));
-            let (frames, imu) = ends.receive();
+            let (frames, written) = ends.receive();
             for frame in frames {
                 observer.on_frame(&to_robot(&frame), to_us);
                 simulation.receive_can(frame, to_us);
             }
-            if !imu.is_empty() {
-                simulation.receive(Stream::ImuSerial, &imu);
+            for (stream, bytes) in written {
+                simulation.receive(stream, &bytes);
             }
             actuated.iter_mut().for_each(|actuated| actuated.play(simulation, to_us));
             observer.after_tasks(shared);

@@ -255,16 +255,18 @@ impl World<'_, '_> {
             .min(self.lidar.next_us())
     }
 
-    /// What the computer has sent: frames, and requests to the inertial sensor.
+    /// What the computer has sent: frames, and requests to the inertial sensor and to the scanner.
     fn take_from_robot(&mut self, lines: &Lines, from_imu_line: &PipeReader) {
         for frame in lines.can.drain() {
             self.observer.on_frame(&frame, self.now_us);
             self.sinks.sent(&frame, self.now_us);
             self.send(to_devices(&frame));
         }
-        let bytes = from_imu_line.drain();
-        if !bytes.is_empty() {
-            self.simulation.receive(Stream::ImuSerial, &bytes);
+        let (to_imu, to_scanner) = (from_imu_line.drain(), lines.scanner.asked());
+        for (stream, bytes) in [(Stream::ImuSerial, to_imu), (Stream::ScannerSerial, to_scanner)] {
+            if !bytes.is_empty() {
+                self.simulation.receive(stream, &bytes);
+            }
         }
     }
 

@@ -136,6 +136,11 @@ pub enum Command {
     /// Check a configuration: every mistake with line, limit and remedy, and what the robot's sensors do not see.
     #[command(after_help = "Example:\n  floorguard check robot.toml --picture unseen.svg")]
     Check(super::CheckArguments),
+    /// Write the keys of [lidar] for an Ouster from the metadata that it serves.
+    #[command(
+        after_help = "Example:\n  curl http://os-122xxx.local/api/v1/sensor/metadata > os1.json\n  floorguard lidar-metadata os1.json"
+    )]
+    LidarMetadata(super::LidarMetadataArguments),
     /// Look at this computer: kernel, priorities, buffers, clock, and the devices that a configuration names.
     #[command(
         after_help = "Example:\n  floorguard doctor robot.toml\n\nExit codes: 0 good, perhaps with warnings; 1 something is bad; 3 bad input."

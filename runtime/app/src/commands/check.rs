@@ -11,6 +11,7 @@ use floorguard_configuration::{
 };
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::{LidarModel, ScannerModel};
+use floorguard_types::capacities::SWEEP_RINGS;
 
 use super::exit::{BadInput, VerdictFailed};
 
@@ -143,11 +144,25 @@ pub(super) fn say_absences(configuration: &HostedConfiguration) {
     }
 }
 
-fn lidar(configuration: &HostedConfiguration) -> &'static str {
-    match configuration.robot.has_lidar {
-        true if configuration.robot.lidar.model == LidarModel::PandarXt16 => "PandarXT-16",
-        true => configuration.robot.lidar_model().map_or("as its packets say", Model::name),
-        false => "none",
+fn lidar(configuration: &HostedConfiguration) -> String {
+    let robot = &configuration.robot;
+    match robot.lidar.model {
+        _ if !robot.has_lidar => "none".to_owned(),
+        LidarModel::PandarXt16 => "PandarXT-16".to_owned(),
+        LidarModel::PandarXt32 => "PandarXT-32, every second ring".to_owned(),
+        LidarModel::Ouster(beams) => {
+            let rings = beams.rings(SWEEP_RINGS);
+            let limits =
+                [rings.first(), rings.last()].map(|ring| ring.map_or(0.0, |ring| beams.elevation_deg(*ring)));
+            let [lowest, highest] = limits;
+            format!(
+                "Ouster with {} beams, {} of them from {lowest:.1}° to {highest:.1}°",
+                beams.channels,
+                rings.len()
+            )
+        }
+        LidarModel::Bridged(_) => "by columns of a bridge".to_owned(),
+        _ => robot.lidar_model().map_or("as its packets say", Model::name).to_owned(),
     }
 }
 
@@ -155,5 +170,6 @@ fn scanner(model: ScannerModel) -> String {
     match model {
         ScannerModel::S300 => "S300".to_owned(),
         ScannerModel::MicroScan3 { beams } => format!("microScan3 with {beams} beams"),
+        ScannerModel::Ranging(ranging) => format!("{}, no safety device", ranging.name()),
     }
 }

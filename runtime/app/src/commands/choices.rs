@@ -1,6 +1,9 @@
 //! What can be chosen for a simulated robot.
 
 use clap::ValueEnum;
+use floorguard_configuration::{bridged_keys, ouster_example, ouster_keys};
+use floorguard_runtime::configuration::{RangingModel, ScannerModel};
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 /// Which safety scanner the simulated robot carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -10,6 +13,36 @@ pub enum FittedScanner {
     S300,
     /// SICK microScan3: 2,751 beams, UDP.
     Microscan3,
+    /// Hokuyo UST: 1,081 beams, no safety device, at most 0.3 m/s.
+    HokuyoUst,
+    /// Hokuyo URG-04LX: 682 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    HokuyoUrg04lx,
+    /// SICK TiM5xx: 811 beams, fifteen scans a second, no safety device, at most 0.3 m/s.
+    SickTim5xx,
+    /// SICK LMS1xx: 541 beams, no safety device, at most 0.3 m/s.
+    SickLms1xx,
+    /// RPLidar A1 to A3: 300 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    RplidarA,
+    /// RPLidar S1 to S3: 720 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    RplidarS,
+}
+
+impl FittedScanner {
+    /// The model.
+    #[must_use]
+    pub const fn model(self) -> ScannerModel {
+        let model = match self {
+            Self::S300 => return ScannerModel::S300,
+            Self::Microscan3 => return ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 },
+            Self::HokuyoUst => RangingModel::HokuyoUst,
+            Self::HokuyoUrg04lx => RangingModel::HokuyoUrg04lx,
+            Self::SickTim5xx => RangingModel::SickTim5xx,
+            Self::SickLms1xx => RangingModel::SickLms1xx,
+            Self::RplidarA => RangingModel::RplidarA,
+            Self::RplidarS => RangingModel::RplidarS,
+        };
+        ScannerModel::Ranging(model)
+    }
 }
 
 /// Which lidar the simulated robot carries.
@@ -20,6 +53,26 @@ pub enum FittedLidar {
     Vlp16,
     /// Hesai PandarXT-16.
     PandarXt16,
+    /// Hesai PandarXT-32.
+    PandarXt32,
+    /// Ouster, like an OS1 with 32 beams.
+    Ouster,
+    /// Any lidar of 16 rings behind a bridge.
+    Columns,
+}
+
+impl FittedLidar {
+    /// The keys of `[lidar]` that say so, where it is not the example's.
+    #[must_use]
+    pub fn keys(self) -> Option<String> {
+        match self {
+            Self::Vlp16 => None,
+            Self::PandarXt16 => Some("model = \"pandar-xt16\"".to_owned()),
+            Self::PandarXt32 => Some("model = \"pandar-xt32\"".to_owned()),
+            Self::Ouster => Some(ouster_keys(&ouster_example())),
+            Self::Columns => Some(bridged_keys()),
+        }
+    }
 }
 
 /// Which local planner drives.

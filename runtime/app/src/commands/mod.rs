@@ -19,6 +19,7 @@ mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
+mod lidar_metadata;
 mod live;
 mod live_camera;
 mod live_outputs;
@@ -63,6 +64,7 @@ pub use demo::DemoArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
+pub use lidar_metadata::LidarMetadataArguments;
 pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -105,6 +107,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => evaluation::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::LidarMetadata(arguments)) => lidar_metadata::run(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),

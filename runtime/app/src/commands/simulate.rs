@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
-use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 use super::choices::{FittedLidar, FittedScanner};
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
@@ -243,12 +241,10 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if let Some(robot) = &arguments.robot {
         plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
     }
-    if arguments.lidar == FittedLidar::PandarXt16 {
-        plan = plan.with_pandar_xt16()?;
+    if let Some(keys) = arguments.lidar.keys() {
+        plan = plan.with_lidar(&keys)?;
     }
-    if arguments.scanner == FittedScanner::Microscan3 {
-        plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
-    }
+    plan = plan.with_scanner(arguments.scanner.model())?;
     plan.command.clone_from(&arguments.command);
     if arguments.fleet.is_some() || arguments.ros2_goals {
         plan = plan.ordered()?;

@@ -4,7 +4,8 @@ use std::net::SocketAddr;
 use std::path::Path;
 
 use floorguard_configuration::{
-    BaseAddress, CameraSource, CanAddress, Carriers, DatagramAddress, ScannerAddress, SenderAddress,
+    BaseAddress, CameraSource, CanAddress, Carriers, DatagramAddress, ScannerAddress, ScipAddress,
+    SenderAddress,
 };
 
 use super::computer::Computer;
@@ -25,6 +26,11 @@ pub(super) fn findings(computer: &Computer, carriers: &Carriers) -> Vec<Finding>
     match &carriers.scanner {
         ScannerAddress::Serial(line) => findings.push(device(computer, "[scanner]", &line.device)),
         ScannerAddress::Datagrams(address) => findings.extend(datagrams(computer, "[scanner]", address)),
+        ScannerAddress::Wire(ScipAddress::Serial(line), _) => {
+            findings.push(device(computer, "[scanner]", &line.device));
+        }
+        // Whether it answers is seen when the robot starts: to ask here would end what it sends to another program.
+        ScannerAddress::Wire(ScipAddress::Tcp(_), _) => {}
     }
     let lines = [("[rear_scanner]", &carriers.rear_scanner), ("[imu]", &carriers.imu)];
     for (section, line) in lines {

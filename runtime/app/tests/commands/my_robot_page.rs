@@ -61,7 +61,11 @@ fn guard_stops_the_robot_of_the_page() {
         assert!(shown.contains(&format!("`[{name}]`")) || shown.contains(section), "{section}: {shown}");
     }
     // Every section of the page, one below the other: read, and refused for what nobody sees.
-    let mut text = fenced(&page, "toml").join("\n");
+    let mut text = with_metadata(&page, &fenced(&page, "toml").join("\n"));
+    let uncertified = text.replace("accept_uncertified_mps", "# accept_uncertified_mps");
+    std::fs::write(&file, uncertified).unwrap();
+    let (refused, shown) = floorguard(&check, folder.path());
+    assert!(!refused.status.success() && shown.contains("is no safety device"), "{shown}");
     std::fs::write(&file, &text).unwrap();
     let (refused, shown) = floorguard(&check, folder.path());
     assert!(!refused.status.success() && shown.contains("NOT ACCEPTED"), "{shown}");
@@ -73,7 +77,16 @@ fn guard_stops_the_robot_of_the_page() {
     let (good, shown) = floorguard(&check, folder.path());
     assert!(good.status.success() && shown.contains("good"), "{shown}");
     assert!(shown.contains("does not brake") && shown.contains("inputs"), "{shown}");
+    assert!(shown.contains("is no safety device") && shown.contains("it does not drive"), "{shown}");
     drive(&page, folder.path());
+}
+
+/// The lidar's section with the keys that the page's command writes from metadata.
+fn with_metadata(page: &str, text: &str) -> String {
+    let output = floorguard(&typed(page, "floorguard lidar-metadata"), &root());
+    let (keys, shown) = (String::from_utf8_lossy(&output.0.stdout).into_owned(), output.1);
+    assert!(keys.starts_with("[lidar]\n") && text.contains("[lidar]\n"), "{shown}");
+    text.replace("[lidar]\n", &keys)
 }
 
 /// The page's two commands side by side.

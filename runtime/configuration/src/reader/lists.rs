@@ -26,6 +26,23 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A list of angles in degrees, with its place.
+    pub fn angles(&self, key: &'static str) -> Option<(Vec<f32>, Range<usize>)> {
+        self.note(key, "list of numbers", ("degrees, −90 to 90".to_owned(), None));
+        let value = self.require(key, "[15.0, 13.0]")?;
+        let is_angle = |degrees: &f32| (-90.0..=90.0).contains(degrees);
+        let angles = value.get_ref().as_array().and_then(|items| {
+            items.iter().map(|item| as_number(item.get_ref()).filter(is_angle)).collect::<Option<Vec<f32>>>()
+        });
+        match angles {
+            Some(angles) => Some((angles, value.span())),
+            None => {
+                self.refuse_type(&value.span(), key, "a list of degrees from -90 to 90", value.get_ref());
+                None
+            }
+        }
+    }
+
     /// The numbers of one or two bits of a process image of four times eight bytes, for example `[32, 33]`; twice the
     /// same for a single one. `None` when the key is absent or wrong.
     pub fn bits_or_absent(&self, key: &'static str) -> Option<[u8; 2]> {

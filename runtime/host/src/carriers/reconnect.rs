@@ -5,7 +5,7 @@
 //! is refused.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use embassy_time::Timer;
@@ -16,10 +16,15 @@ use super::serial::SerialLine;
 /// Pause between two attempts to open: quick for a human, idle for a machine.
 const RETRY: Duration = Duration::from_millis(250);
 
+/// How a device is opened at a speed.
+type Opening = fn(&Path, u32) -> io::Result<SerialLine>;
+
 /// A serial line that is opened again whenever it fails. Use it on the thread that made it.
 pub struct ReconnectingLine {
     device: PathBuf,
     baud: u32,
+    /// How it is opened.
+    open: Opening,
     line: Option<SerialLine>,
     tried: Instant,
     losses: u32,
@@ -29,11 +34,21 @@ impl ReconnectingLine {
     /// Opens the line, and says why it cannot be used yet, if so.
     #[must_use]
     pub fn new(device: PathBuf, baud: u32) -> (Self, Option<io::Error>) {
-        let (line, problem) = match SerialLine::open(&device, baud) {
+        Self::opened((device, baud), SerialLine::open)
+    }
+
+    /// The same for the adapter of an RPLidar, see [`SerialLine::open_with_motor`].
+    #[must_use]
+    pub fn with_motor(device: PathBuf, baud: u32) -> (Self, Option<io::Error>) {
+        Self::opened((device, baud), SerialLine::open_with_motor)
+    }
+
+    fn opened((device, baud): (PathBuf, u32), open: Opening) -> (Self, Option<io::Error>) {
+        let (line, problem) = match open(&device, baud) {
             Ok(line) => (Some(line), None),
             Err(error) => (None, Some(error)),
         };
-        (Self { device, baud, line, tried: Instant::now(), losses: 0 }, problem)
+        (Self { device, baud, open, line, tried: Instant::now(), losses: 0 }, problem)
     }
 
     /// Times that the line was lost.
@@ -52,7 +67,7 @@ impl ReconnectingLine {
     fn reopen_if_due(&mut self) {
         if self.line.is_none() && self.tried.elapsed() >= RETRY {
             self.tried = Instant::now();
-            self.line = SerialLine::open(&self.device, self.baud).ok();
+            self.line = (self.open)(&self.device, self.baud).ok();
         }
     }
 }

@@ -11,6 +11,8 @@ use embedded_io_async::{ErrorType, Read, Write};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
+use serialport::{SerialPort, TTYPort};
+
 use crate::executor::Source;
 
 /// A serial line without blocking. Use it on the thread that made it.
@@ -22,9 +24,21 @@ impl SerialLine {
     /// # Errors
     /// The device is absent, in use, or cannot do the speed.
     pub fn open(device: &Path, baud: u32) -> io::Result<Self> {
-        let port = serialport::new(device.to_string_lossy(), baud).open_native().map_err(|error| {
-            io::Error::new(io::ErrorKind::NotFound, format!("{}: {error}", device.display()))
-        })?;
+        Self::taken_over(opened(device, baud)?)
+    }
+
+    /// The same with the line "data terminal ready" low, by which an RPLidar's adapter sets its motor going: systems raise it when they
+    /// open a device. An adapter without that line is taken as it is.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_with_motor(device: &Path, baud: u32) -> io::Result<Self> {
+        let mut port = opened(device, baud)?;
+        let _has_no_such_line = port.write_data_terminal_ready(false);
+        Self::taken_over(port)
+    }
+
+    fn taken_over(port: TTYPort) -> io::Result<Self> {
         let raw = port.into_raw_fd();
         // SAFETY: `into_raw_fd` hands over the only owner of an open descriptor.
         let descriptor = unsafe { OwnedFd::from_raw_fd(raw) };
@@ -39,6 +53,11 @@ impl SerialLine {
         set_nonblocking(&descriptor)?;
         Source::new(descriptor).map(Self)
     }
+}
+
+fn opened(device: &Path, baud: u32) -> io::Result<TTYPort> {
+    let port = serialport::new(device.to_string_lossy(), baud).open_native();
+    port.map_err(|error| io::Error::new(io::ErrorKind::NotFound, format!("{}: {error}", device.display())))
 }
 
 impl ErrorType for SerialLine {

@@ -66,6 +66,7 @@ impl Lines {
             scanner: match run.robot.scanner.model {
                 ScannerModel::S300 => ScannerCarrier::Serial(self.scanner.clone()),
                 ScannerModel::MicroScan3 { .. } => ScannerCarrier::Datagrams(self.scanner.clone()),
+                ScannerModel::Ranging(model) => ScannerCarrier::Asked(self.scanner.clone(), model),
             },
             rear_scanner: run.robot.rear_scanner.map(|_| self.rear_scanner.clone()),
             imu: Some((self.imu.clone(), run.imu_baud)),

@@ -268,7 +268,7 @@ impl Stage<'_> {
         for frame in self.lines.can.drain() {
             self.digest.on_frame(&frame, self.now_us);
         }
-        let _ = self.lines.from_imu_line.drain();
+        let _ = (self.lines.from_imu_line.drain(), self.lines.scanner.asked());
         let now = (self.shared.people.published(), self.shared.status.published());
         let before = std::mem::replace(&mut self.seen, now);
         if before.0 != now.0

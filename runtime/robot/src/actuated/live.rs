@@ -10,7 +10,7 @@ use embedded_io_async::{Read as _, Write as _};
 use floorguard_configuration::{ActuatedLidarConfiguration, ScipModel};
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::scip::DeviceConfiguration;
-use floorguard_host::carriers::CanLink;
+use floorguard_host::carriers::{CanLink, ScipWire};
 use floorguard_host::executor::{Ring, StopFlag, run_until, take_priority};
 use floorguard_mapping::Occupancy;
 use floorguard_mapping::sliding_window::{CellPolicy, LidarMount, PassedPerson, PersonBoxes};
@@ -24,7 +24,6 @@ use super::boxes::read_boxes;
 use super::session::Session;
 use super::watch::{WindowReport, WindowWatch};
 use super::window_map::{WindowMap, WindowSetup};
-use super::wires::ScipWire;
 use crate::assembly::{HostedShared, PeopleInbox, StopsAtEnd};
 
 /// What is due is looked for this often, milliseconds: SYNC is sent each ten.

@@ -6,7 +6,6 @@ mod live;
 mod session;
 mod watch;
 mod window_map;
-mod wires;
 
 pub use boxes::{ReceivedBoxes, read_boxes};
 pub use live::{WindowLinks, watch_window};

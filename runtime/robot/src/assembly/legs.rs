@@ -36,7 +36,7 @@ impl HostedLegs {
     pub fn of_robot(robot: &RobotConfiguration, stages: Stages) -> Self {
         match (robot.scanner.model, stages) {
             (ScannerModel::S300, _) | (_, Stages::AsOnBoard) => Self::trained(),
-            (ScannerModel::MicroScan3 { .. }, Stages::All) => Self::any(),
+            (ScannerModel::MicroScan3 { .. } | ScannerModel::Ranging(_), Stages::All) => Self::any(),
         }
     }
 

@@ -4,6 +4,7 @@ use std::io;
 use std::net::UdpSocket;
 use std::sync::mpsc::{Receiver, channel};
 
+use floorguard_runtime::configuration::RangingModel;
 use floorguard_runtime::tape::TapeLine;
 
 use super::latch_file::LatchFile;
@@ -13,18 +14,20 @@ use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
 use crate::navigator::NavigationSetup;
 use floorguard_configuration::{
-    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, SerialAddress,
+    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, ScipAddress, SerialAddress,
 };
-use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, UdpReceiver};
+use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, ScipWire, UdpReceiver};
 use floorguard_host::executor::Lateness;
 
-/// What the safety scanner is connected to, before the guard's thread opens it.
+/// What the scanner is connected to, before the guard's thread opens it.
 #[derive(Debug)]
 pub enum ScannerLink {
     /// An S300's line.
     Serial(SerialAddress),
     /// A microScan3's port, bound already, and its accepted sender.
     Datagrams(UdpSocket, Listening),
+    /// The line or the connection of a scanner that must be asked.
+    Wire(ScipAddress, RangingModel),
 }
 
 /// Where the bytes come from, before the guard's thread opens it.
@@ -75,7 +78,7 @@ type Opened = GuardCarriers<
     Tapped<UdpReceiver>,
     Tapped<ReconnectingLine>,
     Tapped<UdpReceiver>,
-    Tapped<ReconnectingLine>,
+    Tapped<ScipWire>,
     Tapped<CanLink>,
 >;
 
@@ -92,6 +95,7 @@ impl Links {
                 let (socket, listening) = bind_port("scanner", *address)?;
                 ScannerLink::Datagrams(socket, listening)
             }
+            ScannerAddress::Wire(address, model) => ScannerLink::Wire(address.clone(), *model),
         };
         let imu = carriers.imu.clone();
         Ok(Self {
@@ -150,6 +154,14 @@ impl Links {
                 let socket = UdpReceiver::from_socket(socket, listening)?;
                 ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
             }
+            ScannerLink::Wire(address, model) => {
+                let (wire, problem) = match model {
+                    RangingModel::RplidarA | RangingModel::RplidarS => ScipWire::open_with_motor(&address),
+                    _ => ScipWire::open(&address),
+                };
+                note("scanner", problem);
+                ScannerCarrier::Asked(Tapped::new(wire, TapeLine::Scanner, tap.clone()), model)
+            }
         };
         let rear_scanner = self.rear_scanner.map(|address| {
             let (line, problem) = ReconnectingLine::new(address.device, address.baud);
@@ -159,7 +171,7 @@ impl Links {
         let imu = self.imu.map(|address| {
             let (line, problem) = ReconnectingLine::new(address.device, address.baud);
             note("inertial sensor", problem);
-            (line, address.baud)
+            (ScipWire::Line(line), address.baud)
         });
         let can = self.can.map(|address| {
             let (can, problem) = CanLink::new(&address);

@@ -13,14 +13,14 @@ use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
-use floorguard_runtime::configuration::{DriveTrain, RobotConfiguration};
+use floorguard_runtime::configuration::{DriveTrain, RangingModel, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, Mission, NoMotion, PerceptionState, can_bus, drive_mission,
     drive_route, imu_input, lidar_input, observed_advice_input, observed_operator_input, perceive,
-    rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
+    ranging_scanner, rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
 };
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{Scan, Sweep};
@@ -34,12 +34,14 @@ use crate::learning::{LearningSetup, PeopleLearner};
 use crate::navigator::{BodyExtent, SpaceInbox, sight_of};
 use floorguard_host::executor::TaskSet;
 
-/// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
-pub enum ScannerCarrier<S, D> {
+/// What the scanner is connected to: the line of an S300, the port of a microScan3, or both directions of one that must be asked.
+pub enum ScannerCarrier<S, D, I> {
     /// Bytes of telegrams.
     Serial(S),
     /// Datagrams, and where they become scans.
     Datagrams(D),
+    /// A line or a connection.
+    Asked(I, RangingModel),
 }
 
 /// The lines that the guard ring listens to.
@@ -47,7 +49,7 @@ pub struct GuardCarriers<L, S, D, I, C> {
     /// Lidar datagrams; a robot can do without.
     pub lidar: Option<L>,
     /// Safety scanner.
-    pub scanner: ScannerCarrier<S, D>,
+    pub scanner: ScannerCarrier<S, D, I>,
     /// Second safety scanner, an S300; a robot can do without.
     pub rear_scanner: Option<S>,
     /// Inertial sensor and its bit rate; a robot can do without.
@@ -243,6 +245,9 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         ScannerCarrier::Datagrams(socket) => {
             let configuration = microscan3::Configuration::default();
             tasks.spawn(scanner_datagrams(shared, socket, microscan3::Receiver::new(configuration)));
+        }
+        ScannerCarrier::Asked(line, model) => {
+            tasks.spawn(ranging_scanner(shared, line, model.driver()));
         }
     }
     if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {

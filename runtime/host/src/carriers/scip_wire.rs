@@ -1,23 +1,42 @@
-//! The lidar's wire: a serial line, or a TCP connection; both come back after they were lost.
+//! The wire of a scanner that must be asked: a serial line, or a TCP connection; both come back after they were lost.
 
 use std::io;
+use std::path::PathBuf;
 
 use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_configuration::ScipAddress;
-use floorguard_host::carriers::{ReconnectingLine, ReconnectingStream};
+
+use super::reconnect::ReconnectingLine;
+use super::stream::ReconnectingStream;
 
 /// Either.
-pub(super) enum ScipWire {
+pub enum ScipWire {
+    /// A serial line.
     Line(ReconnectingLine),
+    /// A TCP connection.
     Stream(ReconnectingStream),
 }
 
 impl ScipWire {
     /// Opens it, and says why it cannot be used yet, if so.
-    pub(super) fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
+    #[must_use]
+    pub fn open(address: &ScipAddress) -> (Self, Option<io::Error>) {
+        Self::opened(address, ReconnectingLine::new)
+    }
+
+    /// The same for the adapter of an RPLidar, whose motor a line with "data terminal ready" low sets going.
+    #[must_use]
+    pub fn open_with_motor(address: &ScipAddress) -> (Self, Option<io::Error>) {
+        Self::opened(address, ReconnectingLine::with_motor)
+    }
+
+    fn opened(
+        address: &ScipAddress,
+        open: impl FnOnce(PathBuf, u32) -> (ReconnectingLine, Option<io::Error>),
+    ) -> (Self, Option<io::Error>) {
         match address {
             ScipAddress::Serial(address) => {
-                let (line, problem) = ReconnectingLine::new(address.device.clone(), address.baud);
+                let (line, problem) = open(address.device.clone(), address.baud);
                 (Self::Line(line), problem)
             }
             ScipAddress::Tcp(address) => (Self::Stream(ReconnectingStream::new(*address)), None),

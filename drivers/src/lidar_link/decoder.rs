@@ -1,0 +1,155 @@
+//! From a datagram to a stamped [`LidarPacketOf`]: sender, losses, clock.
+
+use floorguard_types::number::{truncating_u8, truncating_u32};
+use floorguard_types::profile::{Native, Profile, Size, Table};
+use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf};
+use floorguard_types::time::Stamp;
+
+use super::decode_error::DecodeError;
+use super::frame::{ColumnsFrame, RINGS_MAX};
+use crate::velodyne::HourClock;
+
+const HOUR_US: u64 = 3_600_000_000;
+/// A sequence that falls back by up to this was repeated or overtaken.
+const REORDER: u32 = 2_500;
+/// A longer gap is a bridge that was started anew, not a number of lost datagrams.
+const LOST_MAX: u32 = 5_000;
+/// After this silence another bridge may send, or the same one that counts from the beginning.
+const SILENCE_US: u64 = 1_000_000;
+
+/// What happened to the datagrams; saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Datagrams that gave columns.
+    pub accepted: u32,
+    /// Datagrams refused, for any reason.
+    pub refused: u32,
+    /// Datagrams missing between two accepted ones.
+    pub lost: u32,
+}
+
+/// Decodes the stream of one bridge.
+#[derive(Clone, Debug)]
+pub struct DecoderOf<P: Profile> {
+    rings: u8,
+    last: Option<Last>,
+    clock: HourClock,
+    counters: Counters,
+    profile: core::marker::PhantomData<P>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    sender: u32,
+    sequence: u32,
+    arrival: Stamp,
+}
+
+/// For the lidars of the target.
+pub type Decoder = DecoderOf<Native>;
+
+impl<P: Profile> DecoderOf<P> {
+    /// A decoder for a lidar of so many rings.
+    #[must_use]
+    pub fn new(rings: u8) -> Self {
+        Self {
+            rings: rings.min(truncating_u8(P::Rings::N)).min(RINGS_MAX),
+            last: None,
+            clock: HourClock::default(),
+            counters: Counters::default(),
+            profile: core::marker::PhantomData,
+        }
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Decodes one UDP payload that arrived at `arrival`. Gives the columns and how many datagrams are missing right before them.
+    ///
+    /// # Errors
+    /// [`DecodeError`]; the datagram is counted and changes nothing else.
+    pub fn decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacketOf<P>, u16), DecodeError> {
+        let mut packet = LidarPacketOf::EMPTY;
+        let lost = self.decode_into(payload, arrival, &mut packet)?;
+        Ok((packet, lost))
+    }
+
+    /// The same into a packet that is there already: nothing large is moved.
+    ///
+    /// # Errors
+    /// [`DecodeError`]; the datagram is counted, and what stands in `out` has no meaning.
+    pub fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, DecodeError> {
+        let outcome = self.try_decode(payload, arrival, out);
+        let counters = &mut self.counters;
+        match outcome {
+            Ok(lost) => {
+                counters.accepted = counters.accepted.saturating_add(1);
+                counters.lost = counters.lost.saturating_add(u32::from(lost));
+            }
+            Err(_) => counters.refused = counters.refused.saturating_add(1),
+        }
+        outcome
+    }
+
+    fn try_decode(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, DecodeError> {
+        let frame = ColumnsFrame::new_checked(payload).map_err(DecodeError::Frame)?;
+        if frame.rings() != self.rings {
+            return Err(DecodeError::Rings { found: frame.rings(), expected: self.rings });
+        }
+        let lost = self.lost_before(&frame, arrival)?;
+        self.last = Some(Last { sender: frame.sender(), sequence: frame.sequence(), arrival });
+        let took_us = frame.columns().last().map_or(0, |column| column.offset_us);
+        let sensor_us = truncating_u32(frame.sent_us() % HOUR_US);
+        out.stamp = self.clock.stamp(sensor_us, arrival.minus_micros(u64::from(took_us)));
+        out.range_unit_mm = frame.range_unit_mm();
+        out.rings = frame.rings();
+        out.columns.clear();
+        for column in frame.columns() {
+            let mut seen: LidarColumnOf<P> = LidarColumnOf {
+                azimuth_cdeg: column.azimuth_cdeg,
+                offset_us: u32::from(column.offset_us),
+                ..LidarColumnOf::SILENT
+            };
+            for (ring, (raw, reflectivity)) in column.cells().enumerate() {
+                if let Some(range) = seen.range_raw.get_mut(ring) {
+                    *range = raw;
+                }
+                if let Some(brightness) = seen.reflectivity.get_mut(ring) {
+                    *brightness = reflectivity;
+                }
+            }
+            // At most 24 columns, the capacity.
+            let _full = out.columns.push(seen);
+        }
+        Ok(lost)
+    }
+
+    fn lost_before(&self, frame: &ColumnsFrame<'_>, arrival: Stamp) -> Result<u16, DecodeError> {
+        let Some(last) = self.last.filter(|last| last.arrival.past_us(arrival) < SILENCE_US) else {
+            return Ok(0);
+        };
+        if frame.sender() != last.sender {
+            return Err(DecodeError::Sender { found: frame.sender(), expected: last.sender });
+        }
+        let sequence = frame.sequence();
+        if last.sequence.wrapping_sub(sequence) <= REORDER {
+            return Err(DecodeError::NotNewer { sequence });
+        }
+        let lost = sequence.wrapping_sub(last.sequence).saturating_sub(1);
+        Ok(if lost > LOST_MAX { 0 } else { u16::try_from(lost).unwrap_or(0) })
+    }
+}
