@@ -2,6 +2,8 @@
 
 /// Bytes of the longest telegram: 1,081 distances and as many strengths.
 pub const TELEGRAM_BYTES: usize = 12_288;
+/// Words that are passed over in one go, at most.
+const SKIPPED_MAX: u16 = 8;
 /// Encoders that a sensor can report.
 const ENCODERS_MAX: u32 = 3;
 /// The second word of a telegram of scan data.
@@ -78,19 +80,22 @@ pub(super) const fn unit_of(factor: u32) -> Option<u32> {
 
 /// The words of a telegram, one after another.
 struct Words<'a> {
-    words: core::slice::Split<'a, u8, fn(&u8) -> bool>,
+    /// What follows the last space; `None` behind the last word.
+    rest: Option<&'a [u8]>,
     taken: u16,
 }
 
 impl<'a> Words<'a> {
-    fn of(text: &'a [u8]) -> Self {
-        let space: fn(&u8) -> bool = is_space;
-        Self { words: text.split(space), taken: 0 }
+    const fn of(text: &'a [u8]) -> Self {
+        Self { rest: Some(text), taken: 0 }
     }
 
     fn word(&mut self) -> Result<&'a [u8], TelegramError> {
         self.taken = self.taken.saturating_add(1);
-        self.words.next().ok_or(TelegramError::Field(self.taken))
+        let rest = self.rest.ok_or(TelegramError::Field(self.taken))?;
+        let space = rest.iter().take(TELEGRAM_BYTES).position(|byte| *byte == b' ');
+        self.rest = space.and_then(|at| rest.get(at.saturating_add(1)..));
+        Ok(space.and_then(|at| rest.get(..at)).unwrap_or(rest))
     }
 
     fn number(&mut self) -> Result<u32, TelegramError> {
@@ -103,15 +108,11 @@ impl<'a> Words<'a> {
     }
 
     fn skip(&mut self, words: u16) -> Result<(), TelegramError> {
-        for _ in 0..words {
+        for _ in (0..SKIPPED_MAX).take(usize::from(words)) {
             self.word()?;
         }
         Ok(())
     }
-}
-
-fn is_space(byte: &u8) -> bool {
-    *byte == b' '
 }
 
 /// A number of up to eight digits.
@@ -150,7 +151,7 @@ impl<'a> ScanTelegram<'a> {
         let begun_us = words.number()?;
         // Time of transmission, inputs, outputs, a reserved word, frequencies of scans and measurements.
         words.skip(8)?;
-        for _ in 0..encoders_checked(words.number()?)? {
+        for _ in (0..ENCODERS_MAX).take(encoders_checked(words.number()?)?) {
             words.skip(2)?;
         }
         let channels = words.number()?;
@@ -162,8 +163,7 @@ impl<'a> ScanTelegram<'a> {
         // Sign and magnitude are those of 32 bits.
         let first_angle = i32::from_le_bytes(words.number()?.to_le_bytes());
         let (step, count) = (words.short()?, words.short()?);
-        let consumed = consumed(text, words.taken);
-        let values = text.get(consumed..).unwrap_or_default();
+        let values = words.rest.unwrap_or_default();
         let found = values_of(values).take(usize::from(count)).take_while(Option::is_some).count();
         let found = u16::try_from(found).unwrap_or(u16::MAX);
         if found < count {
@@ -189,11 +189,4 @@ impl<'a> ScanTelegram<'a> {
 
 fn values_of(text: &[u8]) -> impl Iterator<Item = Option<u32>> + use<'_> {
     text.split(|byte| *byte == b' ').map(hexadecimal)
-}
-
-/// Bytes of so many words and the spaces behind them.
-fn consumed(text: &[u8], words: u16) -> usize {
-    let spaces = text.iter().enumerate().filter(|(_, byte)| **byte == b' ');
-    let last = spaces.take(usize::from(words)).last();
-    last.map_or(text.len(), |(at, _)| at.saturating_add(1))
 }

@@ -100,10 +100,11 @@ impl Beams {
     /// between −15° and 15° (or the sensor's own limits): what finds people was made for these.
     #[must_use]
     pub fn rings(&self, rings_max: usize) -> Vec<u8, CHANNELS_MAX> {
-        let upwards = self.upwards();
+        let mut upwards = self.upwards();
         let (count, wanted) = (upwards.len(), rings_max.min(CHANNELS_MAX));
         if count <= wanted || wanted < 2 {
-            return upwards.iter().copied().take(wanted).collect();
+            upwards.truncate(wanted);
+            return upwards;
         }
         let altitude = |position: usize| {
             let channel = upwards.get(position).copied().unwrap_or(0);
@@ -114,14 +115,15 @@ impl Beams {
         let to = highest.min(altitude(count.saturating_sub(1))).max(from);
         let mut chosen = Vec::new();
         let mut next = 0;
-        for ring in 0..wanted {
+        for ring in (0..CHANNELS_MAX).take(wanted) {
             let steps = i32::try_from(wanted.saturating_sub(1)).unwrap_or(1).max(1);
             let step = i32::try_from(ring).unwrap_or(0);
             let aim = to.saturating_sub(from).saturating_mul(step).checked_div(steps).unwrap_or(0);
             let aim = from.saturating_add(aim);
             // As many must be left as are still wanted.
             let last = count.saturating_sub(wanted.saturating_sub(ring));
-            let nearest = (next..=last).min_by_key(|position| altitude(*position).abs_diff(aim));
+            let left = (0..CHANNELS_MAX).filter(|position| (next..=last).contains(position));
+            let nearest = left.min_by_key(|position| altitude(*position).abs_diff(aim));
             let Some(position) = nearest else { break };
             if let Some(channel) = upwards.get(position) {
                 // At most the capacity.
@@ -137,7 +139,7 @@ impl Beams {
         let mut order = Vec::new();
         let channels = usize::from(self.channels).min(CHANNELS_MAX);
         let mut before: Option<(i32, u8)> = None;
-        for _ in 0..channels {
+        for _ in (0..CHANNELS_MAX).take(channels) {
             let keys = (0_u8..).zip(self.altitude_mdeg.iter().take(channels));
             let keys = keys.map(|(channel, altitude)| (*altitude, channel));
             let next = keys.filter(|key| before.is_none_or(|before| *key > before)).min();
@@ -153,7 +155,7 @@ impl Beams {
     #[must_use]
     pub fn fault(&self) -> Option<&'static str> {
         let channels = usize::from(self.channels);
-        let shifts = || (0..channels).map(|channel| self.shift(channel));
+        let shifts = || (0..CHANNELS_MAX).take(channels).map(|channel| self.shift(channel));
         let spread = shifts().max().unwrap_or(0).abs_diff(shifts().min().unwrap_or(0));
         let is_turn = (256..=4_096).contains(&self.columns_per_turn);
         let per_packet = u16::from(self.columns_per_packet);

@@ -3,7 +3,7 @@
 //! A packet gives the columns that it completes: as far back as the beams look apart. Of two echoes the nearer one is kept: for a
 //! stop the near one counts.
 
-use floorguard_types::number::{count_u64, truncating_u16, truncating_u32};
+use floorguard_types::number::{truncating_u16, truncating_u32};
 use floorguard_types::profile::{Native, Profile, Size};
 use floorguard_types::sensing::LidarPacketOf;
 use floorguard_types::time::Stamp;
@@ -127,10 +127,12 @@ impl<P: Profile> DecoderOf<P> {
         let chosen = self.beams.rings(rings_max.min(P::Rings::N));
         let shift = |channel: &u8| self.beams.shift(usize::from(*channel));
         let least = chosen.iter().map(shift).min().unwrap_or(0);
-        self.rings = chosen
-            .iter()
-            .map(|channel| Ring { channel: *channel, ahead: u64::from(shift(channel).abs_diff(least)) })
-            .collect();
+        self.rings.clear();
+        for channel in &chosen {
+            let ahead = u64::from(shift(channel).abs_diff(least));
+            // As many as there were asked for, the capacity.
+            let _full = self.rings.push(Ring { channel: *channel, ahead });
+        }
         // Columns are completed by the ring that looks farthest back.
         self.behind = u64::from(least.min(0).unsigned_abs());
         self.staggered = Staggered::EMPTY;
@@ -269,10 +271,15 @@ struct Timing {
 impl Timing {
     /// By the columns that were measured: what stands in the others has no meaning.
     fn of(packet: &Packet<'_>) -> Result<Self, DecodeError> {
-        let measured = || (0_u64..).zip(packet.columns()).filter(|(_, column)| column.is_valid());
-        let first = measured().next().map(|(index, column)| (index, column.sensor_ns()));
+        let (mut first, mut last, mut count) = (None, None, 0_u64);
+        for (index, column) in (0_u64..).zip(packet.columns()) {
+            count = index.saturating_add(1);
+            if column.is_valid() {
+                last = Some((index, column.sensor_ns()));
+                first = first.or(last);
+            }
+        }
         let Some((first_index, first_ns)) = first else { return Err(DecodeError::NothingMeasured) };
-        let last = measured().last().map(|(index, column)| (index, column.sensor_ns()));
         let (last_index, last_ns) = last.unwrap_or((first_index, first_ns));
         let steps = last_index.saturating_sub(first_index);
         let took_ns = last_ns.checked_sub(first_ns);
@@ -284,7 +291,6 @@ impl Timing {
             let took_us = truncating_u32((took_ns.unwrap_or(0) / 1_000).min(u64::from(u32::MAX)));
             return Err(DecodeError::Times { took_us });
         }
-        let count = count_u64(packet.columns().count());
         Ok(Self {
             first_ns: first_ns.saturating_sub(first_index.saturating_mul(column_ns)),
             took_ns: count.saturating_sub(1).saturating_mul(column_ns),

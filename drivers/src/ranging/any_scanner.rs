@@ -25,7 +25,7 @@ pub enum AnyRangingScannerOf<P: Profile> {
 pub type AnyRangingScanner = AnyRangingScannerOf<Native>;
 
 impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
-    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(RangingEvent<'_, P>)) {
         match self {
             Self::Hokuyo(scanner) => scanner.push(bytes, now, event),
             Self::Cola(scanner) => scanner.push(bytes, now, event),
@@ -33,7 +33,12 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
         }
     }
 
-    fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn poll(
+        &mut self,
+        now: Stamp,
+        send: &mut impl FnMut(&[u8]),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
+    ) {
         match self {
             Self::Hokuyo(scanner) => scanner.poll(now, send, event),
             Self::Cola(scanner) => scanner.poll(now, send, event),

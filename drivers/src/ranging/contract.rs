@@ -24,8 +24,8 @@ pub enum RangingEvent<'a, P: Profile> {
 /// Bytes in, scans out; commands between them.
 pub trait RangingScanner<P: Profile> {
     /// Takes bytes that arrived at a time.
-    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>));
+    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(RangingEvent<'_, P>));
 
     /// Time has passed: sends what is due.
-    fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>));
+    fn poll(&mut self, now: Stamp, send: &mut impl FnMut(&[u8]), event: &mut impl FnMut(RangingEvent<'_, P>));
 }

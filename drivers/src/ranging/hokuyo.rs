@@ -60,7 +60,7 @@ impl<P: Profile> HokuyoOf<P> {
 }
 
 impl<P: Profile> RangingScanner<P> for HokuyoOf<P> {
-    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(RangingEvent<'_, P>)) {
         let Self { device, scan } = self;
         device.push(bytes, now, |found| match found {
             DeviceEvent::Scan(measured) => {
@@ -76,7 +76,12 @@ impl<P: Profile> RangingScanner<P> for HokuyoOf<P> {
         });
     }
 
-    fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn poll(
+        &mut self,
+        now: Stamp,
+        send: &mut impl FnMut(&[u8]),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
+    ) {
         let is_silent = self.device.poll(now, &mut |bytes| send(bytes));
         if is_silent {
             event(RangingEvent::Silent);

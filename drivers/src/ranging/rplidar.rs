@@ -14,6 +14,8 @@ use crate::rplidar::{Device, DeviceEvent, DeviceFamily, Sample};
 
 /// A turn, sixty-fourths of a degree.
 const TURN_Q6: u32 = 360 * 64;
+/// Beams of the finest turn.
+const BEAMS_MAX: u16 = 720;
 /// A turn ends in the front if the head has looked back within it: samples near the front need not rise.
 const BACK_Q6: core::ops::Range<u16> = 150 * 64..210 * 64;
 
@@ -86,7 +88,7 @@ impl<P: Profile> TurnOf<P> {
         self.scan.step_rad = step_deg * RADIANS_PER_DEGREE;
         self.scan.first_angle_rad = -180.0 * RADIANS_PER_DEGREE;
         self.scan.beams.clear();
-        for _ in 0..configuration.beams {
+        for _ in (0..BEAMS_MAX).take(usize::from(configuration.beams)) {
             // A scan that does not fit has fewer beams than the guard expects, and is refused there.
             let _full = self.scan.beams.push(BeamReturn::Unknown);
         }
@@ -130,7 +132,7 @@ impl<P: Profile> RplidarOf<P> {
         turn: &mut TurnOf<P>,
         configuration: &RplidarConfiguration,
         (sample, now): (Sample, Stamp),
-        event: &mut dyn FnMut(RangingEvent<'_, P>),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
     ) {
         if turn.is_over(sample) {
             if let Some(stamp) = turn.stamp(now, configuration.delay_us) {
@@ -145,7 +147,7 @@ impl<P: Profile> RplidarOf<P> {
 }
 
 impl<P: Profile> RangingScanner<P> for RplidarOf<P> {
-    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(RangingEvent<'_, P>)) {
         let Self { configuration, device, turn } = self;
         device.push(bytes, now, &mut |found| match found {
             DeviceEvent::Sample(sample) => Self::take(turn, configuration, (sample, now), event),
@@ -155,7 +157,12 @@ impl<P: Profile> RangingScanner<P> for RplidarOf<P> {
         });
     }
 
-    fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn poll(
+        &mut self,
+        now: Stamp,
+        send: &mut impl FnMut(&[u8]),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
+    ) {
         if self.device.poll(now, send) {
             self.turn.begin(&self.configuration, None);
             event(RangingEvent::Silent);

@@ -87,7 +87,7 @@ impl<P: Profile> SessionOf<P> {
         &mut self,
         telegram: &Result<ScanTelegram<'_>, TelegramError>,
         now: Stamp,
-        event: &mut dyn FnMut(RangingEvent<'_, P>),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
     ) {
         let Ok(telegram) = telegram else {
             event(RangingEvent::Refused);
@@ -135,7 +135,7 @@ fn fill<P: Profile>(
 }
 
 impl<P: Profile> RangingScanner<P> for ColaOf<P> {
-    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(RangingEvent<'_, P>)) {
         let Self { framer, session, asks_binary, .. } = self;
         for byte in bytes {
             match framer.byte(*byte) {
@@ -157,7 +157,12 @@ impl<P: Profile> RangingScanner<P> for ColaOf<P> {
         }
     }
 
-    fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8]), event: &mut dyn FnMut(RangingEvent<'_, P>)) {
+    fn poll(
+        &mut self,
+        now: Stamp,
+        send: &mut impl FnMut(&[u8]),
+        event: &mut impl FnMut(RangingEvent<'_, P>),
+    ) {
         let is_silent = |since: Option<Stamp>| since.is_none_or(|since| since.past_us(now) >= SILENCE_US);
         if is_silent(self.session.heard) && is_silent(self.asked) {
             if self.session.heard.is_some() {

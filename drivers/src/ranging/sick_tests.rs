@@ -95,7 +95,7 @@ fn trouble_and_refusal_are_reported() {
     let (_, others) = pushed(&mut scanner, &framed(&EXAMPLE.replace("89A27F 0 0", "89A27F 0 4")), 5_000_000);
     assert_eq!(others, ["Fault(4)"]);
     assert_eq!(pushed(&mut scanner, &framed("sFA 8"), 5_000_000).1, ["Unsuitable"]);
-    assert_eq!(pushed(&mut scanner, &framed("sEA LMDscandata 1"), 5_000_000).1, [String::new(); 0]);
+    assert!(pushed(&mut scanner, &framed("sEA LMDscandata 1"), 5_000_000).1.is_empty());
 }
 
 #[test]

@@ -95,7 +95,7 @@ pub fn decode_node(bytes: &[u8; NODE_BYTES]) -> Result<Sample, NodeError> {
 }
 
 /// A request: its command, and a payload with its length and the exclusive-or of all bytes.
-pub(super) fn request(command: u8, payload: &[u8], send: &mut dyn FnMut(&[u8])) {
+pub(super) fn request(command: u8, payload: &[u8], send: &mut impl FnMut(&[u8])) {
     let length = truncating_u8(payload.len());
     let start = [0xA5, command, length];
     if payload.is_empty() {

@@ -108,7 +108,7 @@ impl Device {
     }
 
     /// Sends the request that is due; `true`: it had measured, and is silent, or is not understood.
-    pub fn poll(&mut self, now: Stamp, send: &mut dyn FnMut(&[u8])) -> bool {
+    pub fn poll(&mut self, now: Stamp, send: &mut impl FnMut(&[u8])) -> bool {
         let is_over = |since: Option<Stamp>, wait_us| since.is_none_or(|since| since.past_us(now) >= wait_us);
         let was_heard = self.heard.is_some();
         let is_silent = was_heard && (is_over(self.heard, SILENCE_US) || self.refused > REFUSED_MAX);
@@ -125,12 +125,12 @@ impl Device {
         is_silent
     }
 
-    fn ask(&mut self, send: &mut dyn FnMut(&[u8])) {
+    fn ask(&mut self, send: &mut impl FnMut(&[u8])) {
         match self.step {
             0 => request(STOP, &[], send),
             1 => {
                 // What it was still sending has come.
-                self.expect(Expected::Descriptor);
+                self.wait_for(Expected::Descriptor);
                 request(GET_HEALTH, &[], send);
             }
             2 if self.family == DeviceFamily::A => request(SET_MOTOR_DUTY, &DUTY.to_le_bytes(), send),
@@ -139,14 +139,14 @@ impl Device {
         }
     }
 
-    fn expect(&mut self, expected: Expected) {
+    fn wait_for(&mut self, expected: Expected) {
         self.expected = expected;
         self.bytes.clear();
         self.previous = None;
     }
 
     /// Takes bytes that arrived at a time.
-    pub fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut dyn FnMut(DeviceEvent)) {
+    pub fn push(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(DeviceEvent)) {
         for byte in bytes {
             // Never full: each kind of answer takes its bytes out when it is whole.
             let _full = self.bytes.push(*byte);
@@ -159,31 +159,31 @@ impl Device {
         }
     }
 
-    fn find_descriptor(&mut self, event: &mut dyn FnMut(DeviceEvent)) {
+    fn find_descriptor(&mut self, event: &mut impl FnMut(DeviceEvent)) {
         let Some(bytes) = self.whole::<DESCRIPTOR_BYTES>() else { return };
         let Some(descriptor) = Descriptor::decode(&bytes) else {
             self.drop_first();
             return;
         };
         if descriptor == Descriptor::HEALTH {
-            self.expect(Expected::Health);
+            self.wait_for(Expected::Health);
         } else if let Some(kind) = descriptor.samples() {
-            self.expect(Expected::Samples(kind));
+            self.wait_for(Expected::Samples(kind));
         } else {
-            self.expect(Expected::Descriptor);
+            self.wait_for(Expected::Descriptor);
             event(DeviceEvent::Unsuitable(descriptor.kind));
         }
     }
 
-    fn take_health(&mut self, event: &mut dyn FnMut(DeviceEvent)) {
+    fn take_health(&mut self, event: &mut impl FnMut(DeviceEvent)) {
         let Some([status, low, high]) = self.whole() else { return };
-        self.expect(Expected::Descriptor);
+        self.wait_for(Expected::Descriptor);
         if status >= IN_TROUBLE {
             event(DeviceEvent::Fault(u16::from_le_bytes([low, high])));
         }
     }
 
-    fn take_node(&mut self, now: Stamp, event: &mut dyn FnMut(DeviceEvent)) {
+    fn take_node(&mut self, now: Stamp, event: &mut impl FnMut(DeviceEvent)) {
         let Some(bytes) = self.whole::<NODE_BYTES>() else { return };
         match decode_node(&bytes) {
             Ok(sample) => {
@@ -198,7 +198,7 @@ impl Device {
         }
     }
 
-    fn take_capsule(&mut self, (kind, now): (AnswerKind, Stamp), event: &mut dyn FnMut(DeviceEvent)) {
+    fn take_capsule(&mut self, (kind, now): (AnswerKind, Stamp), event: &mut impl FnMut(DeviceEvent)) {
         let starts = match *self.bytes.as_slice() {
             [first] => is_first(first),
             [_, second] => is_second(second),
@@ -229,7 +229,7 @@ impl Device {
         self.refused = self.refused.saturating_sub(samples);
     }
 
-    fn refuse(&mut self, event: &mut dyn FnMut(DeviceEvent)) {
+    fn refuse(&mut self, event: &mut impl FnMut(DeviceEvent)) {
         self.previous = None;
         self.refused = self.refused.saturating_add(REFUSED_WEIGHT);
         event(DeviceEvent::Refused);

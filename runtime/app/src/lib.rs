@@ -10,4 +10,5 @@ pub mod learning;
 pub mod mapping_commands;
 pub mod recordings;
 pub mod reports;
+pub mod robot_file;
 pub mod window;

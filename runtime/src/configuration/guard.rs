@@ -14,7 +14,7 @@ use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
 use super::robot::{BaseKind, DriveTrain, Geometry, Limits, RobotConfiguration};
-use super::sources::{LidarModel, ScannerConfiguration};
+use super::sources::{LidarModel, ScannerConfiguration, ScannerModel};
 
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
 const FLOOR_CLEARANCE_M: f32 = 0.08;
@@ -225,6 +225,12 @@ impl RobotConfiguration {
         stop_after(Source::Lidar, self.deadlines.lidar_us);
         stop_after(Source::Wheels, self.deadlines.odometry_us);
         stop_after(Source::Command, self.deadlines.command_us);
+        if let (ScannerModel::Ranging(model), Some(rule)) =
+            (self.scanner.model, rules.get_mut(Source::Scanner.index()))
+        {
+            rule.limit_after_us += model.older_us();
+            rule.stop_after_us = rule.stop_after_us.map(|stop_us| stop_us + model.older_us());
+        }
         // What is not there cannot be late; what that costs is printed when the robot starts.
         let fitted = [
             (Source::Imu, self.imu.is_some()),

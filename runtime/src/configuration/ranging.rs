@@ -6,6 +6,8 @@ use floorguard_drivers::ranging::{
 
 /// The guard counts on so many scans until it stops: two that must agree, one that is not in step, one that may be lost.
 const COUNTED_SCANS: f32 = 4.0;
+/// Of those, so many pass before the newest scan is late: one that is not in step, and one that may be lost.
+const LATE_SCANS: f32 = 2.0;
 /// It counts on those of a safety scanner, seconds each.
 const COUNTED_SCAN_S: f32 = 0.04;
 
@@ -136,5 +138,11 @@ impl RangingModel {
     #[must_use]
     pub fn later_s(self) -> f32 {
         COUNTED_SCANS * (self.geometry().period_s - COUNTED_SCAN_S).max(0.0)
+    }
+    /// The newest scan may be so much older than that of a safety scanner before it is late, and before the robot stops, microseconds:
+    /// less than the fields allow for.
+    #[must_use]
+    pub fn older_us(self) -> u64 {
+        (LATE_SCANS * (self.geometry().period_s - COUNTED_SCAN_S).max(0.0) * 1.0e6) as u64
     }
 }

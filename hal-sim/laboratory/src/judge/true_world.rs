@@ -132,11 +132,10 @@ fn beams_of(lidar: LidarDevice) -> (Vec<f32>, f32) {
     }
 }
 
-/// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
-fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
-    let (scanner, lidar) = (parameters.scanner, parameters.lidar);
-    let (half_deg, beams) = match parameters.scanner_device {
-        ScannerDevice::S300 => (135.0_f32, 541),
+/// Half of the sector of a scanner, degrees, and its beams.
+const fn plane_of(scanner: ScannerDevice) -> (f32, u16) {
+    match scanner {
+        ScannerDevice::S300 => (135.0, 541),
         ScannerDevice::MicroScan3(beams) => (137.5, beams),
         ScannerDevice::Hokuyo(HokuyoModel::Ust) => (135.0, 1_081),
         ScannerDevice::Hokuyo(HokuyoModel::Urg04lx) => (119.5, 680),
@@ -145,7 +144,13 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         // All around: the first beam is the last one, too.
         ScannerDevice::Rplidar(RplidarModel::A) => (180.0, 301),
         ScannerDevice::Rplidar(RplidarModel::S) => (180.0, 721),
-    };
+    }
+}
+
+/// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
+fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
+    let (scanner, lidar) = (parameters.scanner, parameters.lidar);
+    let (half_deg, beams) = plane_of(parameters.scanner_device);
     let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
     let scanner = judge::Sensor {
         name: "scanner".to_owned(),

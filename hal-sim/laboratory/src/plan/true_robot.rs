@@ -24,25 +24,6 @@ const SWITCH_M: f32 = 0.02;
 /// Everything that is fixed about a robot.
 pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
     let default = RobotParameters::default();
-    let scanner_device = match robot.scanner.model {
-        ScannerModel::S300 => ScannerDevice::S300,
-        ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
-        ScannerModel::Ranging(ranging) => match ranging {
-            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(HokuyoModel::Ust),
-            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(HokuyoModel::Urg04lx),
-            RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
-            RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
-            RangingModel::RplidarA => ScannerDevice::Rplidar(RplidarModel::A),
-            RangingModel::RplidarS => ScannerDevice::Rplidar(RplidarModel::S),
-        },
-    };
-    let lidar_device = match robot.lidar.model {
-        LidarModel::PandarXt16 => LidarDevice::PandarXt16,
-        LidarModel::PandarXt32 => LidarDevice::PandarXt32,
-        LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
-        LidarModel::Bridged(elevations) => LidarDevice::Bridged(elevations),
-        _ => LidarDevice::Vlp16,
-    };
     let (train, wheelbase_m, track_m) = wheels(robot);
     let can = &robot.can;
     let on_bus = |node: u8, default: u8| if node == 0 { default } else { node };
@@ -65,10 +46,10 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         _ => robot.geometry.ticks_per_m,
     };
     let fitted = RobotParameters {
-        lidar_device,
+        lidar_device: lidar_device(robot.lidar.model),
         lidar: if robot.has_lidar { mount(&robot.lidar.mounting) } else { default.lidar },
         scanner: mount(&robot.scanner.mounting),
-        scanner_device,
+        scanner_device: scanner_device(robot.scanner.model),
         rear_scanner: robot.rear_scanner.map(|scanner| mount(&scanner.mounting)),
         imu: robot.imu.map_or(default.imu, |imu| mount(&imu.mounting)),
         train,
@@ -92,6 +73,33 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         return fitted;
     }
     with_body(fitted, &robot.geometry.footprint)
+}
+
+/// The scanner that a robot's file names.
+const fn scanner_device(model: ScannerModel) -> ScannerDevice {
+    match model {
+        ScannerModel::S300 => ScannerDevice::S300,
+        ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
+        ScannerModel::Ranging(ranging) => match ranging {
+            RangingModel::HokuyoUst => ScannerDevice::Hokuyo(HokuyoModel::Ust),
+            RangingModel::HokuyoUrg04lx => ScannerDevice::Hokuyo(HokuyoModel::Urg04lx),
+            RangingModel::SickTim5xx => ScannerDevice::Sick(SickModel::Tim5xx),
+            RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
+            RangingModel::RplidarA => ScannerDevice::Rplidar(RplidarModel::A),
+            RangingModel::RplidarS => ScannerDevice::Rplidar(RplidarModel::S),
+        },
+    }
+}
+
+/// The lidar that a robot's file names.
+fn lidar_device(model: LidarModel) -> LidarDevice {
+    match model {
+        LidarModel::PandarXt16 => LidarDevice::PandarXt16,
+        LidarModel::PandarXt32 => LidarDevice::PandarXt32,
+        LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
+        LidarModel::Bridged(elevations) => LidarDevice::Bridged(elevations),
+        _ => LidarDevice::Vlp16,
+    }
 }
 
 /// The controllers that a robot's file describes, with the watchdogs that it asks for.

@@ -5,7 +5,6 @@ mod arguments;
 mod campaign;
 #[cfg(feature = "laboratory")]
 mod campaign_contacts;
-mod check;
 #[cfg(feature = "laboratory")]
 mod choices;
 #[cfg(feature = "laboratory")]
@@ -19,7 +18,6 @@ mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
-mod lidar_metadata;
 mod live;
 mod live_camera;
 mod live_outputs;
@@ -55,16 +53,15 @@ pub use crate::learning::{AskArguments, AskQuestion, LearnArguments, PlaceArgume
 #[cfg(feature = "laboratory")]
 pub use crate::learning::{TrainArguments, TrainPeopleArguments, TrainWhat};
 pub use crate::reports::{ExplainArguments, ReportArguments};
+pub use crate::robot_file::{CheckArguments, LidarMetadataArguments};
 pub use arguments::{Arguments, Command};
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
-pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explore::ExploreArguments;
 pub use goto::GotoArguments;
-pub use lidar_metadata::LidarMetadataArguments;
 pub use manual::ManualArguments;
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -76,7 +73,7 @@ pub use simulate::SimulateArguments;
 pub use tape::TapeArguments;
 pub use tour::TourArguments;
 
-use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports, window};
+use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports, robot_file, window};
 
 /// Runs the command.
 ///
@@ -106,8 +103,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),
         Some(Command::Eval(arguments)) => evaluation::run(&arguments),
-        Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::LidarMetadata(arguments)) => lidar_metadata::run(&arguments),
+        Some(Command::Check(arguments)) => robot_file::check(&arguments),
+        Some(Command::LidarMetadata(arguments)) => robot_file::lidar_metadata(&arguments),
         Some(Command::Doctor(arguments)) => doctor::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),

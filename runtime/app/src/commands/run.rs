@@ -15,7 +15,6 @@ use floorguard_runtime::clock;
 
 use self::drive::WatchedDrive;
 use self::watch::Watch;
-use super::check::say_absences;
 use super::exit::BadInput;
 use super::fleet::{FleetOpening, join};
 use super::goto::navigation_of;
@@ -28,6 +27,7 @@ use super::ros2::{RosEnds, RosWay};
 use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::tour::TourPlaces;
 use super::values::{panel_address, seconds};
+use crate::robot_file::say_absences;
 use crate::window::leave_window;
 use floorguard_configuration::{CommandConfiguration, HostedConfiguration, load};
 use floorguard_host::executor::{Ring, StopFlag, take_priority};

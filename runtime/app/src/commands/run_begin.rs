@@ -4,9 +4,9 @@ use std::path::Path;
 
 use floorguard_runtime::clock;
 
-use super::check::listed;
 use super::exit::BadInput;
 use super::run::RunArguments;
+use crate::robot_file::listed;
 use floorguard_configuration::HostedConfiguration;
 use floorguard_robot::assembly::{LatchFile, latched_words};
 use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};

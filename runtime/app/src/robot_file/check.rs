@@ -13,7 +13,7 @@ use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::{LidarModel, ScannerModel};
 use floorguard_types::capacities::SWEEP_RINGS;
 
-use super::exit::{BadInput, VerdictFailed};
+use floorguard_host::outcome::{BadInput, VerdictFailed};
 
 /// What to check.
 #[derive(Clone, Debug, Args)]
@@ -56,7 +56,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
 }
 
 /// All that sensors and list of accepted gaps do not agree about, a line each.
-pub(super) fn listed(refusals: &[Refusal]) -> String {
+pub(crate) fn listed(refusals: &[Refusal]) -> String {
     refusals.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n  ")
 }
 
@@ -138,7 +138,7 @@ fn words(gap: &SensorGap) -> String {
 }
 
 /// What each missing section costs, a line for each.
-pub(super) fn say_absences(configuration: &HostedConfiguration) {
+pub(crate) fn say_absences(configuration: &HostedConfiguration) {
     for absence in absences(configuration) {
         say!("  no [{}]: {}", absence.section, absence.costs);
     }

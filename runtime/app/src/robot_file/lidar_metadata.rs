@@ -7,7 +7,7 @@ use floorguard_configuration::{ouster_format, ouster_keys};
 use floorguard_drivers::ouster::{Beams, CHANNELS_MAX};
 use serde_json::Value;
 
-use super::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 
 /// What to read.
 #[derive(Clone, Debug, Args)]
