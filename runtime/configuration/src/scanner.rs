@@ -151,6 +151,7 @@ fn read_s300_line(section: &Reader<'_>, model: Option<ScannerModel>) -> Option<S
 #[cfg(test)]
 mod tests {
     use crate::{EXAMPLE, ScannerAddress, parse};
+    use floorguard_guard::Source;
 
     const LINE: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
 
@@ -206,5 +207,12 @@ mod tests {
             (slow_s - safe_s - 0.24).abs() < 1.0e-6 && slow_m > safe_m + 0.05,
             "{safe_m} m, {slow_m} m, {slow_s} s"
         );
+        // Its newest scan is late later, by less than the fields allow for.
+        let ages = |keys: &str| {
+            let read = parse("robot.toml", &with_scanner(keys)).unwrap_or_else(|refused| panic!("{refused}"));
+            let rules = read.robot.guard().rules(Source::Scanner);
+            (rules.limit_after_us, rules.stop_after_us)
+        };
+        assert_eq!((ages(LINE), ages(urg)), ((100_000, Some(200_000)), (220_000, Some(320_000))));
     }
 }

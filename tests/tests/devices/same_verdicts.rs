@@ -44,18 +44,10 @@ fn hazard(world: &str) -> Scenario {
 fn drive(scenario: Scenario, duration_s: u64, fit: impl Fn(Plan) -> Plan) -> (f64, u32) {
     let mut plan = fit(Plan::of("same", scenario, 1, duration_s * 1_000_000).unwrap());
     plan.lidar_grain = 4;
-    let mut health = std::collections::BTreeMap::new();
-    let mut show = |seconds: f64, status: &floorguard_runtime::shared::RobotStatus, _: usize, _: &[_]| {
-        for report in status.sources.iter().filter(|report| report.fitted) {
-            health
-                .entry(format!("{report:?}").split("age").next().unwrap_or_default().to_owned())
-                .or_insert(seconds);
-        }
-    };
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
     run_virtual(&plan, &mut observer).unwrap();
     let observation = observer.into_observation();
-    println!("{health:#?}");
     println!("ready after {:?} s, held for {:?} s", observation.ready_s, observation.under_cause_s);
     let verdict = observation.verdict;
     (verdict.distance_m, verdict.bodies.counts.while_moving())
