@@ -1,6 +1,6 @@
 //! Stops that were missed, stops that were not needed, and how fast the needed ones came.
 
-use floorguard_runtime::configuration::{Limits, RobotConfiguration};
+use floorguard_runtime::configuration::{Limits, Mounting, RobotConfiguration, ScannerConfiguration};
 use floorguard_types::geometry::{Point2, Pose2};
 
 use super::shape::distance_m;
@@ -44,6 +44,34 @@ fn person_on_course(footprint: &[Point2], truth: &Truth) -> bool {
     })
 }
 
+/// What a scanner looks at, robot frame.
+#[derive(Clone, Copy, Debug)]
+struct ScannerView {
+    at: Point2,
+    yaw_rad: f32,
+    /// Angles of its plane that it measures and that the body does not cover, radians, counter-clockwise from its front.
+    sector_rad: [f32; 2],
+}
+
+impl ScannerView {
+    fn of(scanner: &ScannerConfiguration) -> Self {
+        let Mounting { position, roll_rad, yaw_rad, .. } = scanner.mounting;
+        let [first_rad, last_rad] = scanner.sector_rad;
+        let measured_rad = scanner.model.first_angle_rad().abs();
+        let (first_rad, last_rad) = (first_rad.max(-measured_rad), last_rad.min(measured_rad));
+        // Mounted upside down, its left is the robot's right.
+        let sector_rad = if roll_rad.cos() < 0.0 { [-last_rad, -first_rad] } else { [first_rad, last_rad] };
+        Self { at: Point2::new(position.x_m, position.y_m), yaw_rad, sector_rad }
+    }
+
+    fn looks_at(&self, point: Point2) -> bool {
+        let to_scanner = Pose2::new(self.at.x_m, self.at.y_m, self.yaw_rad).inverse();
+        let there = to_scanner.transform(point);
+        let [first_rad, last_rad] = self.sector_rad;
+        (first_rad..=last_rad).contains(&there.y_m.atan2(there.x_m))
+    }
+}
+
 /// Simulated people who do not look walk on through a robot that stands on their path, which no real body can. That
 /// they touched it is the business of the judge of contacts; who is inside its body is no intrusion into its field.
 fn without_bodies_inside(truth: &Truth, footprint: &[Point2]) -> Truth {
@@ -69,6 +97,7 @@ pub enum StopReason {
 /// Watches intrusions and stops.
 pub struct StopJudge {
     zones: TrueZones,
+    scanners: Vec<ScannerView>,
     footprint: Vec<Point2>,
     limits: Limits,
     intruded_since_s: Option<(f32, f32)>,
@@ -88,6 +117,11 @@ impl StopJudge {
     pub fn new(robot: &RobotConfiguration) -> Self {
         Self {
             zones: TrueZones::new(robot),
+            scanners: [Some(robot.scanner), robot.rear_scanner]
+                .iter()
+                .flatten()
+                .map(ScannerView::of)
+                .collect(),
             limits: robot.limits,
             intruded_since_s: None,
             last_near_s: f32::MIN,
@@ -115,7 +149,10 @@ impl StopJudge {
         if person_on_course(&self.footprint, truth) {
             self.last_course_s = seconds;
         }
-        let truth = &without_bodies_inside(truth, &self.footprint);
+        let mut truth = without_bodies_inside(truth, &self.footprint);
+        // What no scanner looks at is the business of the judge of contacts, too: its own fields cannot answer it.
+        truth.obstacles_in_robot.retain(|point| self.scanners.iter().any(|scanner| scanner.looks_at(*point)));
+        let truth = &truth;
         let moving = speed_mps.abs() > STANDING_MPS;
         let true_pair = self.zones.applying(speed_mps);
         let depth_m = true_pair.map_or(f32::MIN, |pair| TrueZones::intrusion_m(&pair.protective, truth));
@@ -193,7 +230,7 @@ mod tests {
     use super::*;
     use crate::judge::TruthPerson;
     use floorguard_configuration::{EXAMPLE, parse};
-    use floorguard_types::geometry::Twist2;
+    use floorguard_types::geometry::{Point3, Twist2};
     use floorguard_types::time::Stamp;
 
     /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is commanded to stop and brakes as specified.
@@ -226,6 +263,33 @@ mod tests {
         assert_eq!(approach(4.3).missed(), 1);
         let latency_us = approach(3.52).latencies_us()[0];
         assert!((60_000..=100_000).contains(&latency_us), "{latency_us}");
+    }
+
+    /// A robot that creeps backwards to a post, and goes on: intrusions that were not answered.
+    fn missed_behind(robot: &RobotConfiguration) -> u32 {
+        let mut judge = StopJudge::new(robot);
+        for step in 0..600_u64 {
+            let x_m = -0.1 * step as f32 * 0.01;
+            let truth = Truth {
+                stamp: Stamp::from_micros(step * 10_000),
+                robot: Pose2::new(x_m, 0.0, 0.0),
+                twist: Twist2 { linear_mps: -0.1, angular_radps: 0.0 },
+                obstacles_in_robot: vec![Point2::new(-1.0 - x_m, 0.0)],
+                ..Truth::default()
+            };
+            judge.observe(&truth, -0.1);
+        }
+        judge.missed()
+    }
+
+    #[test]
+    fn only_what_scanners_look_at_must_be_answered() {
+        let mut robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        assert_eq!(missed_behind(&robot), 0, "its scanner looks to the front");
+        let position = Point3::new(-0.3, 0.0, 0.15);
+        let mounting = Mounting { position, yaw_rad: core::f32::consts::PI, ..Mounting::default() };
+        robot.rear_scanner = Some(ScannerConfiguration { mounting, ..robot.scanner });
+        assert_eq!(missed_behind(&robot), 1, "one at the rear looks there");
     }
 
     #[test]
