@@ -2,7 +2,8 @@
 
 use std::sync::OnceLock;
 
-use floorguard_tests::fuzz::Corpus;
+use floorguard_drivers::ouster::Beams;
+use floorguard_tests::fuzz::{Corpus, ouster_turn};
 use floorguard_tests::fuzz::scanning::ScanningCorpus;
 
 /// The robot's state is large, and moved by value when a run begins.
@@ -39,6 +40,13 @@ pub fn corpus() -> &'static Corpus {
 pub fn scanning_corpus() -> &'static ScanningCorpus {
     static CORPUS: OnceLock<ScanningCorpus> = OnceLock::new();
     CORPUS.get_or_init(ScanningCorpus::simulated)
+}
+
+/// An Ouster and one turn of it, made once.
+#[must_use]
+pub fn ouster() -> &'static (Beams, Vec<Vec<u8>>) {
+    static TURN: OnceLock<(Beams, Vec<Vec<u8>>)> = OnceLock::new();
+    TURN.get_or_init(ouster_turn)
 }
 
 /// Runs on a thread whose stack holds a whole robot; its panic becomes ours.

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use floorguard_fuzz::{corpus, joined, scanning_corpus};
+use floorguard_fuzz::{corpus, joined, ouster, scanning_corpus};
 use floorguard_configuration::EXAMPLE;
-use floorguard_tests::fuzz::{files, messages};
+use floorguard_tests::fuzz::{bridged_datagrams, cola_scans, files, messages, rplidar_turns};
 
 /// Files for one target; of a long stream its beginning says enough.
 const FILES_MAX: usize = 200;
@@ -17,7 +17,7 @@ fn main() -> std::io::Result<()> {
     let scan = messages::microscan3_message(40);
     // Inputs that are read as numbers need no example of them, only space for some.
     let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
-    let of_targets: [(&str, Vec<Vec<u8>>); 13] = [
+    let of_targets: [(&str, Vec<Vec<u8>>); 17] = [
         ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),
         ("position", simulated.position.clone()),
         ("s300", simulated.scanner.clone()),
@@ -29,6 +29,10 @@ fn main() -> std::io::Result<()> {
         ("configuration", [vec![EXAMPLE.as_bytes().to_vec()], files::sections_of(EXAMPLE)].concat()),
         ("recording", vec![messages::recording()]),
         ("scip", scanning_corpus().replies.clone()),
+        ("ouster", ouster().1.chunks(2).map(joined).collect()),
+        ("lidar-link", bridged_datagrams().chunks(4).map(joined).collect()),
+        ("cola", cola_scans()),
+        ("rplidar", rplidar_turns().chunks(8).map(|answer| answer.concat()).collect()),
         ("scan_motor", numbers.clone()),
         ("runtime", numbers),
     ];
