@@ -175,7 +175,7 @@ impl LocalMemory {
             *reach_m > middle_m + BEHIND_M && run.is_refuted_at_m(firing.height_m + middle_m * slope)
         };
         let is_refuted = reaches_m.iter().zip(firing.rays.iter().map(|ray| ray.slope)).any(refutes);
-        if is_refuted && !self.stays_edge(cell, lidar) {
+        if is_refuted && !self.is_fresh(cell) && !self.stays_edge(cell, lidar) {
             self.clear_lidar(cell);
         }
     }

@@ -203,6 +203,11 @@ impl LocalMemory {
         self.has(cell) && self.rows.get(local(cell.y)).is_some_and(|row| row.holds(local(cell.x)))
     }
 
+    /// The lidar met something in a cell in this span of time or in the one before: rays that go past the end of it refute nothing.
+    pub(crate) fn is_fresh(&self, cell: Cell) -> bool {
+        self.has(cell) && self.rows.get(local(cell.y)).is_some_and(|row| row.is_fresh(local(cell.x)))
+    }
+
     /// What the lidar met in a cell; nothing outside of the window.
     pub(crate) fn run(&self, cell: Cell) -> Run {
         let row = if self.has(cell) { self.rows.get(local(cell.y)) } else { None };

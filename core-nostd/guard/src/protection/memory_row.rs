@@ -134,6 +134,12 @@ impl Row {
         has_bit(now | before, index)
     }
 
+    /// The lidar met something in this span or in the one before.
+    pub(super) const fn is_fresh(&self, index: usize) -> bool {
+        let [now, last, _] = self.lately;
+        has_bit(now | last, index)
+    }
+
     pub(super) fn meet(&mut self, index: usize, (step, gap): (u8, u8)) {
         let run = if self.holds(index) { self.run(index) } else { Run::default() };
         let grown = run.with(step, gap);

@@ -252,6 +252,22 @@ fn fg_req_028_spans_agree_across_an_empty_one() {
     }
 }
 
+/// What rays have just met is not refuted by others that pass beside it.
+#[test]
+fn fg_req_028_met_cells_are_fresh_for_two_spans() {
+    let cell = Cell::of(Point2::new(1.0, 0.3));
+    let mut memory = memory();
+    memory.follow(Twist2::ZERO, at(0));
+    assert!(!memory.is_fresh(cell), "never met");
+    memory.meet(cell, 0.5, 0.05);
+    let fresh = (1..4).map(|span| {
+        let is_fresh = memory.is_fresh(cell);
+        pass_span(&mut memory, span);
+        is_fresh
+    });
+    assert_eq!(fresh.collect::<std::vec::Vec<_>>(), [true, true, false]);
+}
+
 /// Encoders and drives are often heard last: what the lidar has met by then is known when the robot may start.
 #[test]
 fn fg_req_028_memory_agrees_before_wheels_are_heard() {
