@@ -260,12 +260,8 @@ fn fg_req_028_met_cells_are_fresh_for_two_spans() {
     memory.follow(Twist2::ZERO, at(0));
     assert!(!memory.is_fresh(cell), "never met");
     memory.meet(cell, 0.5, 0.05);
-    let fresh = (1..4).map(|span| {
-        let is_fresh = memory.is_fresh(cell);
-        pass_span(&mut memory, span);
-        is_fresh
-    });
-    assert_eq!(fresh.collect::<std::vec::Vec<_>>(), [true, true, false]);
+    let fresh = [1, 2, 3].map(|span| (memory.is_fresh(cell), pass_span(&mut memory, span)).0);
+    assert_eq!(fresh, [true, true, false]);
 }
 
 /// Encoders and drives are often heard last: what the lidar has met by then is known when the robot may start.
