@@ -64,7 +64,7 @@ impl ScannerView {
         Self { at: Point2::new(position.x_m, position.y_m), yaw_rad, sector_rad }
     }
 
-    fn looks_at(&self, point: Point2) -> bool {
+    fn covers(&self, point: Point2) -> bool {
         let to_scanner = Pose2::new(self.at.x_m, self.at.y_m, self.yaw_rad).inverse();
         let there = to_scanner.transform(point);
         let [first_rad, last_rad] = self.sector_rad;
@@ -151,7 +151,7 @@ impl StopJudge {
         }
         let mut truth = without_bodies_inside(truth, &self.footprint);
         // What no scanner looks at is the business of the judge of contacts, too: its own fields cannot answer it.
-        truth.obstacles_in_robot.retain(|point| self.scanners.iter().any(|scanner| scanner.looks_at(*point)));
+        truth.obstacles_in_robot.retain(|point| self.scanners.iter().any(|scanner| scanner.covers(*point)));
         let truth = &truth;
         let moving = speed_mps.abs() > STANDING_MPS;
         let true_pair = self.zones.applying(speed_mps);
