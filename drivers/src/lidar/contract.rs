@@ -27,14 +27,21 @@ pub trait LidarDecoder<P: Profile> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError>;
 
-    /// Why a block of the newest packet was left out though the packet was taken.
-    fn left_out_block(&self) -> Option<LidarError>;
+    /// Why a block of the newest packet was left out though the packet was taken. Most refuse such a packet whole.
+    fn left_out_block(&self) -> Option<LidarError> {
+        None
+    }
 
-    /// The sector that the lidar leaves out because it is set to a field of view, once it has shown.
-    fn known_closed_sector(&self) -> Option<ClosedSector>;
+    /// The sector that the lidar leaves out because it is set to a field of view, once it has shown. Where columns carry their
+    /// azimuths, what is between two of them stays unknown without a name.
+    fn known_closed_sector(&self) -> Option<ClosedSector> {
+        None
+    }
 
     /// The rings in which people are looked for, once it is known that the lidar has more of them than a sweep.
-    fn people_rings(&self) -> Option<RingChoice>;
+    fn people_rings(&self) -> Option<RingChoice> {
+        None
+    }
 }
 
 impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
@@ -78,20 +85,6 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Hesai)
     }
-
-    /// A packet with an odd block is refused whole.
-    fn left_out_block(&self) -> Option<LidarError> {
-        None
-    }
-
-    /// Its columns carry their azimuths: what is between two of them stays unknown without a name.
-    fn known_closed_sector(&self) -> Option<ClosedSector> {
-        None
-    }
-
-    fn people_rings(&self) -> Option<RingChoice> {
-        None
-    }
 }
 
 impl<P: Profile> LidarDecoder<P> for ouster::DecoderOf<P> {
@@ -108,20 +101,6 @@ impl<P: Profile> LidarDecoder<P> for ouster::DecoderOf<P> {
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Ouster)
     }
-
-    /// Columns that were not measured are left out, and counted.
-    fn left_out_block(&self) -> Option<LidarError> {
-        None
-    }
-
-    /// What is between two of its columns stays unknown without a name.
-    fn known_closed_sector(&self) -> Option<ClosedSector> {
-        None
-    }
-
-    fn people_rings(&self) -> Option<RingChoice> {
-        None
-    }
 }
 
 impl<P: Profile> LidarDecoder<P> for lidar_link::DecoderOf<P> {
@@ -135,19 +114,5 @@ impl<P: Profile> LidarDecoder<P> for lidar_link::DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Bridged)
-    }
-
-    /// A datagram with an odd column is refused whole.
-    fn left_out_block(&self) -> Option<LidarError> {
-        None
-    }
-
-    /// What is between two of its columns stays unknown without a name.
-    fn known_closed_sector(&self) -> Option<ClosedSector> {
-        None
-    }
-
-    fn people_rings(&self) -> Option<RingChoice> {
-        None
     }
 }

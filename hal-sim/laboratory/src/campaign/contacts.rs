@@ -324,6 +324,13 @@ mod tests {
         assert_eq!(on_board.missed_stops, 0, "{:?}", on_board.contacts);
     }
 
+    /// Half a cell is empty at the tip of an oblique box: the rays that pass beside it do not refute what others meet.
+    #[test]
+    fn fg_req_028_tip_of_an_oblique_box_holds() {
+        let row = contact_trial(3, 13);
+        assert!(row.passed && row.counts.while_moving() == 0, "{:?} {:?}", row.failures, row.contacts);
+    }
+
     /// A box that is too low for lidar and scanner presses the bumper: it holds as long as the box is there, against a reset, too.
     #[test]
     fn touched_bumper_holds_against_reset() {

@@ -12,6 +12,7 @@ mod mission_outcome;
 mod navigation_outcome;
 mod orders;
 mod outcome;
+mod scanner_view;
 mod shape;
 mod standing_cause;
 mod stops;

@@ -1,8 +1,10 @@
 //! Stops that were missed, stops that were not needed, and how fast the needed ones came.
 
-use floorguard_runtime::configuration::{Limits, Mounting, RobotConfiguration, ScannerConfiguration};
+use floorguard_runtime::configuration::{Limits, RobotConfiguration};
+use floorguard_sim::robot::RobotParameters;
 use floorguard_types::geometry::{Point2, Pose2};
 
+use super::scanner_view::ScannerView;
 use super::shape::distance_m;
 use super::truth::Truth;
 use super::zone::{STANDING_MPS, TrueZones};
@@ -42,34 +44,6 @@ fn person_on_course(footprint: &[Point2], truth: &Truth) -> bool {
             distance_m(footprint, to_robot.transform(there)) < person.radius_m + COURSE_MARGIN_M
         })
     })
-}
-
-/// What a scanner looks at, robot frame.
-#[derive(Clone, Copy, Debug)]
-struct ScannerView {
-    at: Point2,
-    yaw_rad: f32,
-    /// Angles of its plane that it measures and that the body does not cover, radians, counter-clockwise from its front.
-    sector_rad: [f32; 2],
-}
-
-impl ScannerView {
-    fn of(scanner: &ScannerConfiguration) -> Self {
-        let Mounting { position, roll_rad, yaw_rad, .. } = scanner.mounting;
-        let [first_rad, last_rad] = scanner.sector_rad;
-        let measured_rad = scanner.model.first_angle_rad().abs();
-        let (first_rad, last_rad) = (first_rad.max(-measured_rad), last_rad.min(measured_rad));
-        // Mounted upside down, its left is the robot's right.
-        let sector_rad = if roll_rad.cos() < 0.0 { [-last_rad, -first_rad] } else { [first_rad, last_rad] };
-        Self { at: Point2::new(position.x_m, position.y_m), yaw_rad, sector_rad }
-    }
-
-    fn covers(&self, point: Point2) -> bool {
-        let to_scanner = Pose2::new(self.at.x_m, self.at.y_m, self.yaw_rad).inverse();
-        let there = to_scanner.transform(point);
-        let [first_rad, last_rad] = self.sector_rad;
-        (first_rad..=last_rad).contains(&there.y_m.atan2(there.x_m))
-    }
 }
 
 /// Simulated people who do not look walk on through a robot that stands on their path, which no real body can. That
@@ -112,16 +86,12 @@ pub struct StopJudge {
 }
 
 impl StopJudge {
-    /// For a robot.
+    /// For a robot, and what is fixed about the true one.
     #[must_use]
-    pub fn new(robot: &RobotConfiguration) -> Self {
+    pub fn new(robot: &RobotConfiguration, parameters: &RobotParameters) -> Self {
         Self {
             zones: TrueZones::new(robot),
-            scanners: [Some(robot.scanner), robot.rear_scanner]
-                .iter()
-                .flatten()
-                .map(ScannerView::of)
-                .collect(),
+            scanners: ScannerView::all(parameters),
             limits: robot.limits,
             intruded_since_s: None,
             last_near_s: f32::MIN,
@@ -230,12 +200,22 @@ mod tests {
     use super::*;
     use crate::judge::TruthPerson;
     use floorguard_configuration::{EXAMPLE, parse};
-    use floorguard_types::geometry::{Point3, Twist2};
+    use floorguard_sim::robot::SensorMount;
+    use floorguard_types::geometry::Twist2;
     use floorguard_types::time::Stamp;
 
     /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is commanded to stop and brakes as specified.
     fn approach(brakes_s: f32) -> StopJudge {
-        let mut judge = StopJudge::new(&parse("robot.toml", EXAMPLE).unwrap().robot);
+        approach_to(0.0, brakes_s, &example())
+    }
+
+    fn example() -> RobotConfiguration {
+        parse("robot.toml", EXAMPLE).unwrap().robot
+    }
+
+    /// The same towards a post at the side of the way.
+    fn approach_to(post_y_m: f32, brakes_s: f32, robot: &RobotConfiguration) -> StopJudge {
+        let mut judge = StopJudge::new(robot, &RobotParameters::default());
         let (mut x_m, mut speed_mps) = (0.0, 0.8_f32);
         for step in 0..600_u64 {
             let seconds = step as f32 * 0.01;
@@ -248,7 +228,7 @@ mod tests {
                 stamp: Stamp::from_micros(step * 10_000),
                 robot: Pose2::new(x_m, 0.0, 0.0),
                 twist: Twist2 { linear_mps: speed_mps, angular_radps: 0.0 },
-                obstacles_in_robot: vec![Point2::new(5.0 - x_m, 0.0)],
+                obstacles_in_robot: vec![Point2::new(5.0 - x_m, post_y_m)],
                 ..Truth::default()
             };
             judge.observe(&truth, commanded_mps);
@@ -266,8 +246,8 @@ mod tests {
     }
 
     /// A robot that creeps backwards to a post, and goes on: intrusions that were not answered.
-    fn missed_behind(robot: &RobotConfiguration) -> u32 {
-        let mut judge = StopJudge::new(robot);
+    fn missed_behind(parameters: &RobotParameters) -> u32 {
+        let mut judge = StopJudge::new(&example(), parameters);
         for step in 0..600_u64 {
             let x_m = -0.1 * step as f32 * 0.01;
             let truth = Truth {
@@ -283,13 +263,21 @@ mod tests {
     }
 
     #[test]
-    fn only_what_scanners_look_at_must_be_answered() {
-        let mut robot = parse("robot.toml", EXAMPLE).unwrap().robot;
-        assert_eq!(missed_behind(&robot), 0, "its scanner looks to the front");
-        let position = Point3::new(-0.3, 0.0, 0.15);
-        let mounting = Mounting { position, yaw_rad: core::f32::consts::PI, ..Mounting::default() };
-        robot.rear_scanner = Some(ScannerConfiguration { mounting, ..robot.scanner });
-        assert_eq!(missed_behind(&robot), 1, "one at the rear looks there");
+    fn only_what_scanners_cover_must_be_answered() {
+        let mut parameters = RobotParameters::default();
+        assert_eq!(missed_behind(&parameters), 0, "its scanner looks to the front");
+        let at_rear = SensorMount { x_m: -0.3, y_m: 0.0, z_m: 0.15, yaw_rad: core::f32::consts::PI };
+        parameters.rear_scanner = Some(at_rear);
+        assert_eq!(missed_behind(&parameters), 1, "one at the rear looks there");
+    }
+
+    /// What the robot's file leaves out of the scanner's sector is judged all the same.
+    #[test]
+    fn needle_of_a_sector_excuses_nothing() {
+        let mut robot = example();
+        assert_eq!(approach_to(0.35, 4.3, &robot).missed(), 1);
+        robot.scanner.sector_rad = [-0.1, 0.1];
+        assert_eq!(approach_to(0.35, 4.3, &robot).missed(), 1);
     }
 
     #[test]

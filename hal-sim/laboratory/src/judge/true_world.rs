@@ -133,7 +133,7 @@ fn beams_of(lidar: LidarDevice) -> (Vec<f32>, f32) {
 }
 
 /// Half of the sector of a scanner, degrees, and its beams.
-const fn plane_of(scanner: ScannerDevice) -> (f32, u16) {
+pub(super) const fn plane_of(scanner: ScannerDevice) -> (f32, u16) {
     match scanner {
         ScannerDevice::S300 => (135.0, 541),
         ScannerDevice::MicroScan3(beams) => (137.5, beams),

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use floorguard_contact_judge::Report;
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::simulation::Simulation;
 use floorguard_types::time::Stamp;
 use serde::Serialize;
@@ -141,10 +142,10 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// For a robot.
+    /// For a robot, and what is fixed about the true one.
     #[must_use]
-    pub fn new(robot: &RobotConfiguration) -> Self {
-        Self { bodies: None, stops: StopJudge::new(robot) }
+    pub fn new(robot: &RobotConfiguration, parameters: &RobotParameters) -> Self {
+        Self { bodies: None, stops: StopJudge::new(robot, parameters) }
     }
 
     /// The world is there; without this nobody judges contacts, and no run passes.

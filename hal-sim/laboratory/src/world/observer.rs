@@ -80,7 +80,7 @@ impl<'a> Observer<'a> {
     /// For a plan; `show` is called every 100 ms of robot time.
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
-            judge: Judge::new(&plan.robot),
+            judge: Judge::new(&plan.robot, &plan.robot_parameters()),
             truth_sampler: TruthSampler::default(),
             orders: StopOrders::default(),
             pressed: false,
