@@ -98,7 +98,8 @@ fn every_scanner_stops_before_the_box() {
         let (distance_m, contacts, held_s) =
             drive_held(room(), duration_s, |plan| plan.with_scanner(model).unwrap());
         println!("{model:?}: {distance_m:.3} m");
-        assert!(held_s > 1.0, "{model:?}: the lidar may have stopped it: {held_s} s");
+        // Nearer than half a metre some measure nothing: something else holds it then.
+        assert!(held_s > 0.5, "{model:?}: the lidar may have stopped it: {held_s} s");
         assert!(contacts == 0, "{model:?}: {contacts} contacts");
         assert!(
             distance_m > 0.4 && distance_m < reference_m + 0.5,
