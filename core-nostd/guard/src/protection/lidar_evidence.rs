@@ -30,6 +30,8 @@ const NEAREST_M: f32 = 0.35;
 const STEPS: i32 = saturating_i32((REACH_M - NEAREST_M) / CELL_M);
 /// Returns this low are compared with the ring above: what rises gently is a ramp, metres.
 const RAMP_BELOW_M: f32 = 0.16;
+/// What ends below this is no person, metres: the highest return of one within a cell is a knee at least.
+const LOW_M: f32 = 0.25;
 /// Slopes between which it is one.
 const RAMP: core::ops::Range<f32> = 0.02..0.2;
 /// A ramp begins on the floor: where the way up to a return is steeper by this than the way on from it, a step leads up to it, as to the
@@ -175,7 +177,9 @@ impl LocalMemory {
             *reach_m > middle_m + BEHIND_M && run.is_refuted_at_m(firing.height_m + middle_m * slope)
         };
         let is_refuted = reaches_m.iter().zip(firing.rays.iter().map(|ray| ray.slope)).any(refutes);
-        if is_refuted && !self.is_fresh(cell) && !self.stays_edge(cell, lidar) {
+        // Past the end of something low rays pass beside what others meet; who walks away is higher.
+        let is_low_end = run.ends_below_m(LOW_M) && self.is_fresh(cell);
+        if is_refuted && !is_low_end && !self.stays_edge(cell, lidar) {
             self.clear_lidar(cell);
         }
     }

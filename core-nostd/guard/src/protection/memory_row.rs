@@ -50,6 +50,11 @@ impl Run {
         self.top.saturating_sub(self.low) < 2
     }
 
+    /// Its highest return is lower, metres.
+    pub(crate) fn ends_below_m(self, height_m: f32) -> bool {
+        self.top <= height_step(height_m)
+    }
+
     /// The same for a height in metres.
     pub(crate) fn is_refuted_at_m(self, height_m: f32) -> bool {
         self.is_refuted_at(height_step(height_m))

@@ -262,6 +262,7 @@ fn fg_req_028_met_cells_are_fresh_for_two_spans() {
     memory.meet(cell, 0.5, 0.05);
     let fresh = [1, 2, 3].map(|span| (memory.is_fresh(cell), pass_span(&mut memory, span)).0);
     assert_eq!(fresh, [true, true, false]);
+    assert!(memory.run(cell).ends_below_m(0.5) && !memory.run(cell).ends_below_m(0.45));
 }
 
 /// Encoders and drives are often heard last: what the lidar has met by then is known when the robot may start.
