@@ -17,13 +17,14 @@ fn main() -> std::io::Result<()> {
     let scan = messages::microscan3_message(40);
     // Inputs that are read as numbers need no example of them, only space for some.
     let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
-    let of_targets: [(&str, Vec<Vec<u8>>); 17] = [
+    let of_targets: [(&str, Vec<Vec<u8>>); 18] = [
         ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),
         ("position", simulated.position.clone()),
         ("s300", simulated.scanner.clone()),
         ("slcan", lines.chunks(8).map(|lines| lines.concat()).collect()),
         ("base", numbers.clone()),
         ("xsens", [simulated.imu.clone(), messages::xsens_messages()].concat()),
+        ("vectornav", messages::vectornav_messages().chunks(4).map(|sent| sent.concat()).collect()),
         ("microscan3", vec![joined(&messages::microscan3_datagrams(&scan, 1)), scan]),
         ("velocity_link", messages::velocity_requests().chunks(8).map(joined).collect()),
         ("configuration", [vec![EXAMPLE.as_bytes().to_vec()], files::sections_of(EXAMPLE)].concat()),

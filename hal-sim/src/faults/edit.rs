@@ -1,7 +1,9 @@
 //! Changes inside messages that stay well-formed: values, clocks, sender marks; checksums are made good again.
 
 use crate::can::CanFrame;
-use crate::wire::{BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, reseal_message, reseal_telegram};
+use crate::wire::{
+    BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, reseal_message, reseal_telegram, reseal_vectornav,
+};
 use crate::wire::{Payload, Stream, WireEvent};
 
 /// Bytes of a lidar block, and of its header.
@@ -42,7 +44,11 @@ pub fn apply(edit: Edit, event: &mut WireEvent) {
         (Stream::ScannerData, Payload::Bytes(bytes)) if bytes.len() > DATAGRAM_HEADER => {
             scanner_datagram(edit, bytes);
         }
-        (Stream::ImuSerial, Payload::Bytes(bytes)) if bytes.len() > 5 => {
+        (Stream::ImuSerial, Payload::Bytes(bytes)) if bytes.starts_with(&[0xFA, 0x05]) => {
+            vectornav(edit, bytes);
+            reseal_vectornav(bytes);
+        }
+        (Stream::ImuSerial, Payload::Bytes(bytes)) if bytes.starts_with(&[0xFA, 0xFF]) && bytes.len() > 5 => {
             imu(edit, bytes);
             reseal_message(bytes);
         }
@@ -175,6 +181,29 @@ fn imu(edit: Edit, bytes: &mut [u8]) {
             _ => {}
         }
         at += 3 + length;
+    }
+}
+
+/// A VectorNav's frame of time, rate of turn and acceleration (book, VectorNav: Frames); sentences stay as they are.
+fn vectornav(edit: Edit, bytes: &mut [u8]) {
+    if bytes.len() != 42 {
+        return;
+    }
+    match edit {
+        Edit::Extreme(which) => {
+            let value = [f32::NAN, f32::INFINITY, 3.0e38, -0.0][which as usize % 4];
+            for number in bytes[14..38].chunks_exact_mut(4) {
+                number.copy_from_slice(&value.to_le_bytes());
+            }
+        }
+        Edit::Clock(forward_us) => {
+            let shown_ns = bytes[6..14].iter().rev().fold(0_u64, |sum, byte| (sum << 8) | u64::from(*byte));
+            let shifted_ns = shown_ns.wrapping_add_signed(1_000 * forward_us);
+            bytes[6..14].copy_from_slice(&shifted_ns.to_le_bytes());
+        }
+        // Other groups than were asked for.
+        Edit::Stranger => bytes[1] = 0x01,
+        Edit::Blind(_) => {}
     }
 }
 

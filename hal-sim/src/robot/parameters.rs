@@ -126,6 +126,16 @@ pub enum ScannerDevice {
     Rplidar(RplidarModel),
 }
 
+/// Which inertial sensor it carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImuDevice {
+    /// Xsens MTi-30.
+    #[default]
+    XsensMti,
+    /// VectorNav VN-100.
+    VectorNav,
+}
+
 /// What the body rolls on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Train {
@@ -181,8 +191,10 @@ pub struct RobotParameters {
     pub scanner_device: ScannerDevice,
     /// A second one, an S300.
     pub rear_scanner: Option<SensorMount>,
-    /// MTi.
+    /// Inertial sensor.
     pub imu: SensorMount,
+    /// Its model.
+    pub imu_device: ImuDevice,
     /// CAN nodes.
     pub nodes: NodeIds,
     /// Controllers of the wheels other than CiA 402 drives.
@@ -230,6 +242,7 @@ impl Default for RobotParameters {
             scanner_device: ScannerDevice::default(),
             rear_scanner: None,
             imu: mount(0.30, 0.40),
+            imu_device: ImuDevice::default(),
             nodes: NodeIds {
                 traction: 1,
                 steering: 2,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use floorguard_configuration::{ScannerAddress, bake, load};
-use floorguard_runtime::configuration::LidarModel;
+use floorguard_runtime::configuration::{ImuModel, LidarModel};
 
 fn main() -> anyhow::Result<()> {
     println!("cargo:rerun-if-changed=../../../robot.toml");
@@ -32,6 +32,10 @@ fn main() -> anyhow::Result<()> {
             LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_)
         ),
         "robot.toml: [lidar] the boards decode Velodyne lidars only; write model = \"vlp16\", or run this robot on Linux"
+    );
+    anyhow::ensure!(
+        robot.imu.is_none_or(|imu| imu.model == ImuModel::XsensMti),
+        "robot.toml: [imu] the boards speak with an Xsens MTi only; write model = \"xsens-mti\", or run this robot on Linux"
     );
     // So that the board need not be able to say what is wrong.
     let refused = |error| anyhow::anyhow!("the guard refuses robot.toml: {error}");

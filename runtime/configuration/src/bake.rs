@@ -53,12 +53,7 @@ pub fn bake(robot: &RobotConfiguration) -> String {
         ),
     );
     line("rear_scanner", rear_scanner(robot).to_owned());
-    line(
-        "imu",
-        robot.imu.map_or("None".to_owned(), |imu| {
-            format!("Some(ImuConfiguration {{ mounting: {} }})", mounting(&imu.mounting))
-        }),
-    );
+    line("imu", imu(robot));
     // Motor controllers other than CiA 402 drives belong to bases that a board refuses.
     line("motors", "None".to_owned());
     line("can", can(robot));
@@ -82,6 +77,17 @@ fn lidar_model(model: LidarModel) -> String {
         }
         model => format!("LidarModel::{model:?}"),
     }
+}
+
+/// The inertial sensor.
+fn imu(robot: &RobotConfiguration) -> String {
+    robot.imu.map_or("None".to_owned(), |imu| {
+        format!(
+            "Some(ImuConfiguration {{ model: ImuModel::{:?}, mounting: {} }})",
+            imu.model,
+            mounting(&imu.mounting)
+        )
+    })
 }
 
 /// A program for a board is not compiled with a second one: the memory for its table is missing.

@@ -2,7 +2,9 @@
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_drivers::motor_drives::MotorProtocol;
-use floorguard_runtime::configuration::{CanConfiguration, ImuConfiguration, Mounting, OperatorButtons};
+use floorguard_runtime::configuration::{
+    CanConfiguration, ImuConfiguration, ImuModel, Mounting, OperatorButtons,
+};
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
 
@@ -69,10 +71,12 @@ pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
 }
 
 pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
+    let models = [("xsens-mti", ImuModel::XsensMti), ("vectornav", ImuModel::VectorNav)];
+    let model = section.choice_or("model", &models, ImuModel::XsensMti);
     let source = read_serial(&section);
     let mounting = read_mounting(section.section("mounting"));
     section.finish();
-    Some((ImuConfiguration { mounting }, source?))
+    Some((ImuConfiguration { model, mounting }, source?))
 }
 
 /// The keys of the drives' numbers, wheel by wheel.

@@ -27,6 +27,8 @@ pub struct FleetConfiguration {
     pub serial: String,
     /// Name of the map of `[navigation]`, as the fleet calls it.
     pub map_id: String,
+    /// The broker is spoken to by MQTT 5; otherwise by 3.1.1.
+    pub is_mqtt_5: bool,
 }
 
 impl FleetConfiguration {
@@ -42,6 +44,7 @@ impl FleetConfiguration {
             manufacturer: "floorguard".to_owned(),
             serial,
             map_id: "map".to_owned(),
+            is_mqtt_5: false,
         }
     }
 }
@@ -58,6 +61,7 @@ pub(super) fn read_fleet(section: Reader<'_>) -> Option<FleetConfiguration> {
     let manufacturer = level(&section, "manufacturer", "floorguard", Some("floorguard"));
     let serial = level(&section, "serial", "robot-7", None);
     let map_id = level(&section, "map_id", "map", Some("map"));
+    let is_mqtt_5 = section.choice_or("mqtt", &[("3.1.1", false), ("5", true)], false);
     section.finish();
     Some(FleetConfiguration {
         broker: broker?,
@@ -68,6 +72,7 @@ pub(super) fn read_fleet(section: Reader<'_>) -> Option<FleetConfiguration> {
         manufacturer: manufacturer?,
         serial: serial?,
         map_id: map_id?,
+        is_mqtt_5,
     })
 }
 
@@ -102,11 +107,14 @@ mod tests {
         assert_eq!(read(""), Ok(None));
         let own = read("[fleet]\nbroker = \"127.0.0.1\"\nserial = \"robot-7\"").unwrap().unwrap();
         assert_eq!(own, FleetConfiguration::at("127.0.0.1".to_owned(), 1_883, "robot-7".to_owned()));
+        let newer = read("[fleet]\nbroker = \"b\"\nserial = \"a\"\nmqtt = \"5\"").unwrap().unwrap();
+        assert!(newer.is_mqtt_5);
         for (wrong, reported) in [
             ("serial = \"a\"", "broker"),
             ("broker = \"b\"\nserial = \"a/b\"", "no level of a topic"),
             ("broker = \"b\"\nserial = \"a\"\nport = 0", "port"),
             ("broker = \"b\"\nserial = \"a\"\nbrokers = 1", "brokers"),
+            ("broker = \"b\"\nserial = \"a\"\nmqtt = \"4\"", "mqtt"),
         ] {
             let refused = read(&format!("[fleet]\n{wrong}")).unwrap_err();
             assert!(refused.contains(reported), "{wrong}: {refused}");

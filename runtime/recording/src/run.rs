@@ -12,7 +12,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_drivers::xsens::{Device, DeviceEvent};
+use floorguard_drivers::inertial::{AnyInertialSensor, InertialEvent, InertialSensor};
 use floorguard_guard::{Cause, GuardState, ResetReport};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
@@ -63,7 +63,7 @@ pub struct RunInfo<'a> {
 pub struct RunRecorder<W: Write + Seek> {
     recorder: Recorder<W>,
     lidar: LidarView,
-    imu: Device,
+    imu: AnyInertialSensor,
     imu_samples: Vec<floorguard_types::sensing::ImuSample>,
     fields: Vec<Vec<super::Marker>>,
     mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
@@ -124,7 +124,7 @@ impl<W: Write + Seek> RunRecorder<W> {
         Ok(Self {
             recorder,
             lidar: LidarView::new(robot.lidar_decoder(), robot.ring_angles(), info.clouds_every),
-            imu: Device::new(info.imu_baud),
+            imu: robot.imu.unwrap_or_default().model.driver(info.imu_baud),
             imu_samples: Vec::new(),
             fields: robot.fields.iter().map(describe::fields).collect(),
             mountings,
@@ -178,8 +178,8 @@ impl<W: Write + Seek> RunRecorder<W> {
             }
             TapeLine::Imu => {
                 let samples = &mut self.imu_samples;
-                self.imu.push(data, logged, |event| {
-                    if let DeviceEvent::Sample(sample) = event {
+                self.imu.take(data, logged, &mut |event| {
+                    if let InertialEvent::Sample(sample) = event {
                         samples.push(sample);
                     }
                 });

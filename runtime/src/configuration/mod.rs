@@ -12,6 +12,6 @@ pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
 pub use ranging::{RangingGeometry, RangingModel};
 pub use robot::{BaseKind, Deadlines, DriveTrain, Geometry, Limits, RobotConfiguration};
 pub use sources::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
+    CanConfiguration, ImuConfiguration, ImuModel, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
     ScannerConfiguration, ScannerModel,
 };

@@ -3,7 +3,9 @@
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
 use floorguard_drivers::flexisoft::InputMap;
+use floorguard_drivers::inertial::AnyInertialSensor;
 use floorguard_drivers::ouster::Beams;
+use floorguard_drivers::{vectornav, xsens};
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::units::radians;
@@ -128,9 +130,32 @@ pub struct ScannerConfiguration {
     pub sector_rad: [f32; 2],
 }
 
-/// Inertial measurement unit (Xsens MTi).
+/// Which inertial measurement unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImuModel {
+    /// Xsens MTi-30 and its kin.
+    #[default]
+    XsensMti,
+    /// VectorNav VN-100, VN-200 or VN-300.
+    VectorNav,
+}
+
+impl ImuModel {
+    /// Its driver, for a line of so many bits per second.
+    #[must_use]
+    pub fn driver(self, baud: u32) -> AnyInertialSensor {
+        match self {
+            Self::XsensMti => AnyInertialSensor::Xsens(xsens::Device::new(baud)),
+            Self::VectorNav => AnyInertialSensor::VectorNav(vectornav::Device::new(baud)),
+        }
+    }
+}
+
+/// Inertial measurement unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImuConfiguration {
+    /// Model.
+    pub model: ImuModel,
     /// Mounting.
     pub mounting: Mounting,
 }

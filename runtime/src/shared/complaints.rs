@@ -1,10 +1,10 @@
 //! Why a device is of no use, in the words of its driver: for commissioning. Nothing is decided by it.
 
+use floorguard_drivers::inertial::InertialFault;
 use floorguard_drivers::lidar::LidarError;
 use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
 use floorguard_drivers::velodyne::ClosedSector;
-use floorguard_drivers::xsens::DeviceFault;
 
 /// The newest complaint about each device; it stays when the device has become good.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub struct Complaints {
     /// The same of a microScan3's datagram or message.
     pub scanner_message: Option<ScanError>,
     /// What keeps the inertial sensor from measuring.
-    pub imu: Option<DeviceFault>,
+    pub imu: Option<InertialFault>,
 }
 
 impl Complaints {

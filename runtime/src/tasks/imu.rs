@@ -4,7 +4,7 @@ use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
 use embedded_io_async::{Read, Write};
-use floorguard_drivers::xsens::{Device, DeviceEvent};
+use floorguard_drivers::inertial::{InertialEvent, InertialSensor};
 use floorguard_guard::{FaultKind, Source};
 use floorguard_types::geometry::Transform3;
 use floorguard_types::sensing::ImuSample;
@@ -19,14 +19,14 @@ const PORTION_BYTES: usize = 128;
 const POLL_MS: u64 = 20;
 /// Pause after a failure of the line, milliseconds.
 const RETRY_MS: u64 = 50;
-/// Requests of one poll: an acknowledgement and the longest request.
+/// Requests of one poll, at most.
 const REQUEST_BYTES: usize = 64;
 
 /// Guard ring. Runs for ever.
 pub async fn imu_input<M: RawMutex>(
     shared: &Shared<M>,
     mut line: impl Read + Write,
-    (mut device, sensor_in_base): (Device, Transform3),
+    (mut device, sensor_in_base): (impl InertialSensor, Transform3),
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(POLL_MS));
     let mut portion = [0; PORTION_BYTES];
@@ -35,7 +35,7 @@ pub async fn imu_input<M: RawMutex>(
         match select(line.read(&mut portion), ticker.next()).await {
             Either::First(Ok(count)) if count > 0 => {
                 let bytes = portion.get(..count).unwrap_or_default();
-                device.push(bytes, clock::now(), |event| take_in(shared, &event, &sensor_in_base));
+                device.take(bytes, clock::now(), &mut |event| take_in(shared, &event, &sensor_in_base));
             }
             Either::First(_) => {
                 fail(shared, FaultKind::LinkDown);
@@ -44,12 +44,12 @@ pub async fn imu_input<M: RawMutex>(
             Either::Second(()) => {}
         }
         let mut requests = Vec::<u8, REQUEST_BYTES>::new();
-        device.poll(clock::now(), &mut |frame| {
-            // One poll sends two short frames at most.
+        device.request(clock::now(), &mut |frame| {
+            // One poll sends one or two short messages at most.
             let _ = requests.extend_from_slice(frame);
         });
-        if Complaints::ARE_REPORTED && device.fault() != reported {
-            reported = device.fault();
+        if Complaints::ARE_REPORTED && device.complaint() != reported {
+            reported = device.complaint();
             shared.complain(|complaints| complaints.imu = reported.or(complaints.imu));
         }
         if !requests.is_empty() && line.write_all(&requests).await.is_err() {
@@ -63,16 +63,15 @@ fn fail<M: RawMutex>(shared: &Shared<M>, kind: FaultKind) {
     shared.decide(|guard| guard.on_source_fault(Source::Imu, kind, clock::now()));
 }
 
-fn take_in<M: RawMutex>(shared: &Shared<M>, event: &DeviceEvent, sensor_in_base: &Transform3) {
+fn take_in<M: RawMutex>(shared: &Shared<M>, event: &InertialEvent, sensor_in_base: &Transform3) {
     match event {
-        DeviceEvent::Sample(sample) => {
+        InertialEvent::Sample(sample) => {
             let sample = in_robot_axes(sample, sensor_in_base);
             shared.move_by(|motion| motion.on_imu(&sample));
             shared.decide(|guard| guard.on_imu(&sample, clock::now()));
         }
-        DeviceEvent::Refused(_) => fail(shared, FaultKind::Garbled),
-        DeviceEvent::Error(code) => fail(shared, FaultKind::Device(u16::from(*code))),
-        DeviceEvent::OtherConfiguration => {}
+        InertialEvent::Refused => fail(shared, FaultKind::Garbled),
+        InertialEvent::Error(code) => fail(shared, FaultKind::Device(u16::from(*code))),
     }
 }
 

@@ -8,6 +8,7 @@ use floorguard_drivers::ouster::{Beams, Decoder as Ouster};
 use floorguard_drivers::ranging::{Cola, RPLIDAR_A, RangingEvent, RangingScanner, Rplidar, TIM5XX};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
+use floorguard_drivers::vectornav;
 use floorguard_drivers::velocity_link::{
     Acceptance, AcceptanceRules, Arrival, FrameError, LineReceiver, MotionReport, Permit, VelocityRequest,
 };
@@ -244,6 +245,30 @@ pub fn xsens(bytes: &[u8]) -> u64 {
     }
     assert!(heard, "it did not find back into step");
     seen
+}
+
+/// Bytes of a VectorNav in portions of so many. Whatever came before: what it sends then becomes samples.
+pub fn vectornav(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
+    let mut device = vectornav::Device::new(115_200);
+    let (mut samples, mut now_us) = (0, 1_000_000);
+    let mut push = |part: &[u8], now_us: u64| {
+        let mut count = 0;
+        device.push(part, at(now_us), |event| {
+            if let vectornav::DeviceEvent::Sample(sample) = event {
+                let numbers = [sample.angular_radps, sample.linear_mps2].concat();
+                assert!(numbers.iter().all(|number| number.is_finite()) && sample.stamp <= at(now_us));
+                count += 1;
+            }
+        });
+        device.poll(at(now_us), &mut |sent| assert!(sent.starts_with(b"$VN") && sent.len() <= 64));
+        count
+    };
+    for part in bytes.chunks(portion.max(1)) {
+        now_us += 5_000;
+        samples += push(part, now_us);
+    }
+    assert!(push(right, now_us + 50_000) > 0, "it did not find back into step");
+    samples
 }
 
 /// A message of the microScan3 family, as it would stand before it is cut into datagrams.

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 
 use floorguard_recording::Recorder;
-use floorguard_sim::wire::SentVelocity;
+use floorguard_sim::wire::{SentVelocity, VectorNavSample, vectornav_frame, vectornav_sentence};
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
 
@@ -58,6 +58,23 @@ const XSENS_SAMPLE: [u8; 15] = [0x80, 0x20, 12, 0x3F, 0x80, 0, 0, 0, 0, 0, 0, 0x
 pub fn xsens_messages() -> Vec<Vec<u8>> {
     let message = |id, data: &[u8]| floorguard_sim::wire::encode_message(id, data);
     vec![message(0x36, &xsens_list()), message(0x36, &XSENS_SAMPLE), message(0x42, &[4]), message(0x31, &[])]
+}
+
+/// What a VectorNav sends: frames as the robot asks for them, and the sentences around its start.
+#[must_use]
+pub fn vectornav_messages() -> Vec<Vec<u8>> {
+    let frame = |step: u64| {
+        let sample = VectorNavSample {
+            since_start_ns: step * 10_000_000,
+            rate_radps: [0.01, -0.02, 0.3],
+            acceleration_mps2: [0.1, 0.2, -9.81],
+            saturation: 0,
+        };
+        vectornav_frame(&sample, 0x0121, 0x0800)
+    };
+    let sentences =
+        ["VNASY,0", "VNRRG,01,VN-200S", "VNWRG,06,0", "VNWRG,75,3,4,05,0121,0800", "VNERR,03", "VNASY,1"];
+    sentences.into_iter().map(vectornav_sentence).chain((1..=20).map(frame)).collect()
 }
 
 /// A recording of some samples.

@@ -13,6 +13,7 @@ mod sim_microscan3;
 mod sim_ouster;
 mod sim_s300;
 mod sim_support;
+mod sim_vectornav;
 mod sim_velodyne;
 mod sim_velodyne_speeds;
 mod velocity_links;

@@ -152,6 +152,7 @@ fn robot_file((kind, nodes, lidar, scanner): (&str, &str, &str, RangingModel)) -
         ("\n[limits]\n", &format!("\n[base]\nkind = \"{kind}\"\n{steering}[limits]\n")),
         ("model = \"vlp16\"\n", &lidar),
         ("model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n", &scanner),
+        ("[imu]\n", if kind == "differential" { "[imu]\nmodel = \"vectornav\"\n" } else { "[imu]\n" }),
         ("wheelbase_m = 0.80\n", if kind == "differential" { "" } else { "wheelbase_m = 0.80\n" }),
     ];
     changes.iter().fold(EXAMPLE.to_owned(), |text, (from, to)| {

@@ -92,6 +92,16 @@ fn fuzz_rplidar() {
 }
 
 #[test]
+fn fuzz_vectornav() {
+    let corpus = messages::vectornav_messages();
+    campaign(8_000, |random| {
+        let mut bytes = corpus.concat();
+        corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 2_000, random);
+        decoders::vectornav(&bytes, 1 + random.below(200) as usize, &corpus.concat())
+    });
+}
+
+#[test]
 fn fuzz_position() {
     let corpus = Corpus::simulated().position;
     let sentence = b"$GPRMC,220516,A,5133.82,N,00042.24,W,173.8,231.8,130694,004.2,W*70";

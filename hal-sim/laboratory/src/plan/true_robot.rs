@@ -3,12 +3,13 @@
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_runtime::configuration::{
-    DriveTrain, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration, ScannerModel,
+    DriveTrain, ImuModel, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration,
+    ScannerModel,
 };
 use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
-    BodyPrism, HokuyoModel, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters, RplidarModel,
-    ScannerDevice, SensorMount, SickModel, Train,
+    BodyPrism, HokuyoModel, ImuDevice, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters,
+    RplidarModel, ScannerDevice, SensorMount, SickModel, Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
@@ -52,6 +53,10 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         scanner_device: scanner_device(robot.scanner.model),
         rear_scanner: robot.rear_scanner.map(|scanner| mount(&scanner.mounting)),
         imu: robot.imu.map_or(default.imu, |imu| mount(&imu.mounting)),
+        imu_device: match robot.imu.unwrap_or_default().model {
+            ImuModel::XsensMti => ImuDevice::XsensMti,
+            ImuModel::VectorNav => ImuDevice::VectorNav,
+        },
         train,
         wheelbase_m,
         track_m,

@@ -4,8 +4,8 @@ use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_guard::{Action, Thresholds, UnseenLimits};
 use floorguard_runtime::configuration::{
     BaseKind, CanConfiguration, Deadlines, DirectionOfTravel, DriveTrain, FieldPair, Geometry,
-    ImuConfiguration, LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,
-    ScannerConfiguration, ScannerModel,
+    ImuConfiguration, ImuModel, LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons,
+    RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_types::geometry::{Point2, Point3};

@@ -5,7 +5,6 @@ use embedded_io_async::{Read, Write};
 use floorguard_drivers::motor_drives::MotorDrives;
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::wheel_drives::WheelDrives;
-use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::{GuardConfig, GuardConfigError};
 use floorguard_localisation::odometry::{BaseModel, PoseHistory};
@@ -251,7 +250,7 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         }
     }
     if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
-        tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
+        tasks.spawn(imu_input(shared, line, (imu.model.driver(baud), imu.mounting.transform())));
         names.push(GuardTask::Imu);
     }
     if let Some(line) = carriers.rear_scanner {

@@ -4,6 +4,7 @@
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
 use floorguard_sim::can as sim_can;
+use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::geometry::{Point2, Pose2};
@@ -54,8 +55,12 @@ pub struct DrivenSimulation {
 
 impl DrivenSimulation {
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
+        Self::with_robot(scenario, seed, RobotParameters::default())
+    }
+
+    pub fn with_robot(scenario: &Scenario, seed: u64, robot: RobotParameters) -> Self {
         Self {
-            simulation: Simulation::new(scenario, seed).unwrap(),
+            simulation: Simulation::with_robot(scenario, seed, robot).unwrap(),
             base: ThreeWheelBase::new(BaseConfiguration::default()),
             now_us: 0,
         }
