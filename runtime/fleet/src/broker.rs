@@ -9,16 +9,14 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use floorguard_host::executor::{Ring, take_priority};
-use rumqttc::{Client, Connection, Event, Incoming, LastWill, MqttOptions, Outgoing as Sent, QoS};
 
 use super::agent::{FleetAgent, Outcome};
 use super::connection::{BROKEN, OFFLINE, ONLINE, connection, timestamp};
 use super::messages::{Topic, Topics};
+use super::mqtt::{BrokerAddress, Client, Connection, Event, Farewell, OpenError};
 use super::queue::{OfflineQueue, Waiting};
 use super::vehicle::{VehicleCommand, VehicleDescription, VehicleMoment};
 
-/// Broker and vehicle show each other this often that they are there, seconds (chapter 6.14).
-const KEEP_ALIVE: Duration = Duration::from_secs(15);
 /// A broker that is away is asked again after.
 const RETRY: Duration = Duration::from_millis(500);
 /// The agent thinks this often.
@@ -27,36 +25,10 @@ const PERIOD: Duration = Duration::from_millis(50);
 const IN_FLIGHT_MAX: usize = 32;
 /// Requests that wait for the connection.
 const REQUESTS_MAX: usize = 256;
-/// Largest message, bytes.
-const PACKET_MAX: usize = 1 << 20;
 /// Commands that wait for the vehicle.
 const COMMANDS_MAX: usize = 64;
 /// So long a program that ends waits for its last message to leave.
 const FAREWELL: Duration = Duration::from_secs(2);
-
-/// Where a broker is, and how it is spoken to.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BrokerAddress {
-    /// Name or address.
-    pub host: String,
-    /// 1883, or 8883 with TLS.
-    pub port: u16,
-    /// Certificates of the authority that has signed the broker's, PEM; with it the connection is encrypted.
-    pub authority: Option<PathBuf>,
-    /// Name and password.
-    pub login: Option<(String, String)>,
-}
-
-/// The vehicle cannot join a fleet.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenError {
-    /// Folder, file or thread.
-    #[error("{0}")]
-    Input(#[from] std::io::Error),
-    /// Encryption.
-    #[error("{0}")]
-    Tls(String),
-}
 
 /// The vehicle's side of a fleet.
 pub struct FleetLink {
@@ -69,8 +41,9 @@ pub struct FleetLink {
 
 /// What comes from the broker.
 enum Heard {
-    Connected,
-    Lost,
+    /// The broker remembers what was on its way, or not.
+    Connected(bool),
+    Lost(String),
     Message(Topic, Vec<u8>),
     Sent(u16),
     Confirmed(u16),
@@ -87,7 +60,11 @@ impl FleetLink {
         folder: Option<PathBuf>,
     ) -> Result<Self, OpenError> {
         let topics = Topics::of(&vehicle);
-        let (client, connected) = Client::new(options(&vehicle, (broker, &topics))?, REQUESTS_MAX);
+        let name = format!("{}-{}", vehicle.manufacturer, vehicle.serial);
+        let farewell =
+            Farewell { topic: topics.full(Topic::Connection), payload: connection(&vehicle, 0, BROKEN) };
+        let capacities = (REQUESTS_MAX, IN_FLIGHT_MAX as u16 * 2);
+        let (client, connected) = Client::join(&name, broker, farewell, capacities)?;
         let (queue, ended) = (OfflineQueue::open(folder.as_deref())?, Arc::new(AtomicBool::new(false)));
         let agent = FleetAgent::open(vehicle.clone(), folder)?;
         let (to_agent, heard) = channel();
@@ -107,6 +84,7 @@ impl FleetLink {
             in_flight: VecDeque::new(),
             sent: 0,
             is_connected: false,
+            lost_by: None,
             connections: 0,
             has_reported: false,
             early: Vec::new(),
@@ -142,46 +120,6 @@ impl Drop for FleetLink {
     }
 }
 
-fn options(
-    vehicle: &VehicleDescription,
-    (broker, topics): (&BrokerAddress, &Topics),
-) -> Result<MqttOptions, OpenError> {
-    let name = format!("{}-{}", vehicle.manufacturer, vehicle.serial);
-    let mut options = MqttOptions::new(name, &broker.host, broker.port);
-    let will = connection(vehicle, 0, BROKEN);
-    options
-        .set_keep_alive(KEEP_ALIVE)
-        // What comes while the vehicle is away waits at the broker.
-        .set_clean_session(false)
-        .set_inflight(IN_FLIGHT_MAX as u16 * 2)
-        .set_max_packet_size(PACKET_MAX, PACKET_MAX)
-        .set_last_will(LastWill::new(topics.full(Topic::Connection), will, QoS::AtLeastOnce, true));
-    if let Some((user, password)) = &broker.login {
-        options.set_credentials(user, password);
-    }
-    if let Some(authority) = &broker.authority {
-        options.set_transport(encrypted(authority)?);
-    }
-    Ok(options)
-}
-
-#[cfg(feature = "tls")]
-fn encrypted(authority: &std::path::Path) -> Result<rumqttc::Transport, OpenError> {
-    let ca = std::fs::read(authority)?;
-    // The first of the process is kept: there is one.
-    let _ = rustls::crypto::ring::default_provider().install_default();
-    Ok(rumqttc::Transport::tls_with_config(rumqttc::TlsConfiguration::Simple {
-        ca,
-        alpn: None,
-        client_auth: None,
-    }))
-}
-
-#[cfg(not(feature = "tls"))]
-fn encrypted(_authority: &std::path::Path) -> Result<rumqttc::Transport, OpenError> {
-    Err(OpenError::Tls("this program was built without TLS; build it with `--features fleet-tls`".to_owned()))
-}
-
 /// Carries MQTT.
 struct Carrier {
     topics: Topics,
@@ -189,31 +127,28 @@ struct Carrier {
 }
 
 impl Carrier {
-    fn carry(self, mut connected: Connection, to_agent: &Sender<Heard>) {
+    fn carry(self, connected: Connection, to_agent: &Sender<Heard>) {
         let _ = take_priority(Ring::Telemetry);
-        for event in connected.iter() {
+        connected.listen(|event| {
             let heard = match event {
-                Ok(Event::Incoming(Incoming::ConnAck(_))) => Some(Heard::Connected),
-                Ok(Event::Incoming(Incoming::Publish(message))) => {
-                    let topic = self.topics.incoming(&message.topic);
-                    topic.map(|topic| Heard::Message(topic, message.payload.to_vec()))
+                Event::Connected { remembers } => Some(Heard::Connected(remembers)),
+                Event::Message(topic, payload) => {
+                    self.topics.incoming(&topic).map(|topic| Heard::Message(topic, payload))
                 }
-                Ok(Event::Incoming(Incoming::PubAck(ack))) => Some(Heard::Confirmed(ack.pkid)),
-                Ok(Event::Outgoing(Sent::Publish(number))) if number > 0 => Some(Heard::Sent(number)),
-                Ok(Event::Outgoing(Sent::Disconnect)) => return,
-                Ok(_) => None,
-                Err(_) => {
-                    if self.ended.load(Ordering::Acquire) || to_agent.send(Heard::Lost).is_err() {
-                        return;
+                Event::Confirmed(number) => Some(Heard::Confirmed(number)),
+                Event::Sent(number) => Some(Heard::Sent(number)),
+                Event::Left => return false,
+                Event::Other => None,
+                Event::Lost(reason) => {
+                    if self.ended.load(Ordering::Acquire) || to_agent.send(Heard::Lost(reason)).is_err() {
+                        return false;
                     }
                     thread::sleep(RETRY);
                     None
                 }
             };
-            if heard.is_some_and(|heard| to_agent.send(heard).is_err()) {
-                return;
-            }
-        }
+            heard.is_none_or(|heard| to_agent.send(heard).is_ok())
+        });
     }
 }
 
@@ -234,6 +169,8 @@ struct Speaker {
     /// The oldest so many of the queue are on their way.
     sent: usize,
     is_connected: bool,
+    /// Why there is no broker, as it was reported.
+    lost_by: Option<String>,
     connections: u32,
     has_reported: bool,
     /// What came before the place of the vehicle was known: orders are judged by that.
@@ -274,11 +211,24 @@ impl Speaker {
 
     fn hear(&mut self, heard: Heard) {
         match heard {
-            Heard::Connected => {
+            Heard::Connected(remembers) => {
                 self.is_connected = true;
+                self.lost_by = None;
+                if !remembers {
+                    // What was on its way is forgotten on both sides: it goes out again from the queue.
+                    self.in_flight.clear();
+                    self.sent = 0;
+                }
                 self.greet();
             }
-            Heard::Lost => self.is_connected = false,
+            Heard::Lost(reason) => {
+                self.is_connected = false;
+                // Asked twice a second, it would say so twice a second.
+                if self.lost_by.as_ref() != Some(&reason) {
+                    say!("  fleet: no broker ({reason}); tried again every {} ms", RETRY.as_millis());
+                    self.lost_by = Some(reason);
+                }
+            }
             Heard::Message(topic, payload) if self.knows_place => {
                 let outcome = self.agent.receive(topic, &payload);
                 self.carry_out(outcome);
@@ -316,7 +266,7 @@ impl Speaker {
     /// What a vehicle does first on each connection.
     fn greet(&mut self) {
         for topic in [Topic::Order, Topic::InstantActions] {
-            let subscribed = self.client.try_subscribe(self.topics.full(topic), QoS::AtLeastOnce);
+            let subscribed = self.client.subscribe(self.topics.full(topic));
             if let Err(error) = subscribed {
                 say!("  fleet: {error}");
             }
@@ -328,7 +278,7 @@ impl Speaker {
     fn announce(&mut self, state: &'static str) {
         let payload = connection(&self.vehicle, self.connections, state);
         let topic = self.topics.full(Topic::Connection);
-        if self.client.try_publish(topic, QoS::AtLeastOnce, true, payload).is_ok() {
+        if self.client.publish(topic, payload, (true, true)).is_ok() {
             self.in_flight.push_back(InFlight { number: None, is_queued: false });
         }
     }
@@ -351,7 +301,7 @@ impl Speaker {
             } else if self.is_connected {
                 let topic = self.topics.full(message.topic);
                 // What comes often may be lost: the next one is newer.
-                let _ = self.client.try_publish(topic, QoS::AtMostOnce, false, message.payload);
+                let _ = self.client.publish(topic, message.payload, (false, false));
             }
         }
     }
@@ -363,7 +313,7 @@ impl Speaker {
             let is_retained = waiting.topic == Topic::Factsheet;
             let topic = self.topics.full(waiting.topic);
             let payload = waiting.payload.clone();
-            if self.client.try_publish(topic, QoS::AtLeastOnce, is_retained, payload).is_err() {
+            if self.client.publish(topic, payload, (true, is_retained)).is_err() {
                 return;
             }
             self.sent += 1;
@@ -389,6 +339,6 @@ impl Speaker {
                 }
             }
         }
-        let _ = self.client.try_disconnect();
+        self.client.leave();
     }
 }

@@ -15,14 +15,16 @@ mod connection;
 mod factsheet;
 mod instant;
 mod messages;
+mod mqtt;
 mod order;
 mod queue;
 mod rules;
 mod vehicle;
 
 pub use agent::FleetAgent;
-pub use broker::{BrokerAddress, FleetLink, OpenError};
+pub use broker::FleetLink;
 pub use messages::{Topic, Topics};
+pub use mqtt::{BrokerAddress, MqttVersion, OpenError};
 pub use vehicle::{
     EmergencyStop, OrderedPlace, VehicleCommand, VehicleDescription, VehicleFault, VehicleMoment, VehiclePose,
 };

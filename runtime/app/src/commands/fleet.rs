@@ -65,8 +65,8 @@ fn kept_in(folder: &Path, serial: &str) -> PathBuf {
 #[cfg(feature = "fleet")]
 mod joined {
     use floorguard_fleet::{
-        BrokerAddress, EmergencyStop, FleetLink, OrderedPlace, VehicleCommand, VehicleDescription,
-        VehicleFault, VehicleMoment, VehiclePose,
+        BrokerAddress, EmergencyStop, FleetLink, MqttVersion, OrderedPlace, VehicleCommand,
+        VehicleDescription, VehicleFault, VehicleMoment, VehiclePose,
     };
     use floorguard_guard::{Cause, GuardState};
     use floorguard_operator::panel::Order;
@@ -97,7 +97,8 @@ mod joined {
             fleet.user.clone().map(|user| (user, std::env::var(PASSWORD_VARIABLE).unwrap_or_default()));
         let authority =
             fleet.authority.as_ref().map(|file| folder.map_or(file.clone(), |folder| folder.join(file)));
-        let broker = BrokerAddress { host: fleet.broker.clone(), port: fleet.port, authority, login };
+        let mqtt = if fleet.is_mqtt_5 { MqttVersion::V5 } else { MqttVersion::V3 };
+        let broker = BrokerAddress { host: fleet.broker.clone(), port: fleet.port, authority, login, mqtt };
         let kept = folder.map(|folder| kept_in(folder, &fleet.serial));
         let link = FleetLink::open(describe(&opening), &broker, kept)
             .map_err(|error| BadInput(format!("[fleet]: {error}")))?;

@@ -11,12 +11,15 @@ use rumqttc::{Client, Event, Incoming, MqttOptions, QoS};
 use serde_json::{Value, json};
 
 use super::orders::{instant, order, vehicle};
-use crate::broker::{BrokerAddress, FleetLink};
+use crate::broker::FleetLink;
+use crate::mqtt::{BrokerAddress, MqttVersion};
 use crate::vehicle::{VehicleCommand, VehicleMoment, VehiclePose};
 
 const PROGRAM: &str = "/usr/sbin/mosquitto";
 /// No step takes longer where it works.
 const PATIENCE: Duration = Duration::from_secs(15);
+/// States that a hanging broker is sent.
+const TOGGLES: u64 = 8;
 
 /// A broker on a free port; it keeps what waits on the disk.
 struct Broker {
@@ -28,6 +31,11 @@ struct Broker {
 impl Broker {
     /// `None` where there is no Mosquitto.
     fn start(folder: &Path) -> Option<Self> {
+        Self::start_keeping(folder, true)
+    }
+
+    /// One that keeps what waits over its own end, or not.
+    fn start_keeping(folder: &Path, keeps: bool) -> Option<Self> {
         if !Path::new(PROGRAM).exists() {
             eprintln!("skipped: there is no {PROGRAM}; apt-get install mosquitto");
             return None;
@@ -36,7 +44,7 @@ impl Broker {
         let file = folder.join("mosquitto.conf");
         let kept = folder.display();
         let text = format!(
-            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence true\npersistence_location {kept}/\n\
+            "listener {port} 127.0.0.1\nallow_anonymous true\npersistence {keeps}\npersistence_location {kept}/\n\
              autosave_interval 1\nuser root\nlog_type error\n"
         );
         std::fs::write(&file, text).unwrap();
@@ -45,15 +53,26 @@ impl Broker {
 
     /// Killed in order, so that it writes what it keeps, and started again.
     fn restart(&mut self, away: Duration) {
-        let pid = self.child.id().to_string();
-        assert!(Command::new("kill").args(["-TERM", &pid]).status().unwrap().success());
+        self.signal("-TERM");
         self.child.wait().unwrap();
         thread::sleep(away);
         self.child = spawn(&self.file);
     }
 
-    fn address(&self) -> BrokerAddress {
-        BrokerAddress { host: "127.0.0.1".to_owned(), port: self.port, ..BrokerAddress::default() }
+    fn signal(&self, signal: &str) {
+        let pid = self.child.id().to_string();
+        assert!(Command::new("kill").args([signal, &pid]).status().unwrap().success());
+    }
+
+    /// Killed as by a loss of power, and started again.
+    fn lose_power(&mut self) {
+        let _ = self.child.kill();
+        self.child.wait().unwrap();
+        self.child = spawn(&self.file);
+    }
+
+    fn address(&self, mqtt: MqttVersion) -> BrokerAddress {
+        BrokerAddress { host: "127.0.0.1".to_owned(), port: self.port, mqtt, ..BrokerAddress::default() }
     }
 }
 
@@ -135,8 +154,8 @@ struct Robot {
 }
 
 impl Robot {
-    fn new(broker: &Broker, folder: &Path) -> Self {
-        let link = FleetLink::open(vehicle("7"), &broker.address(), Some(folder.join("fleet"))).unwrap();
+    fn new((broker, mqtt): (&Broker, MqttVersion), folder: &Path) -> Self {
+        let link = FleetLink::open(vehicle("7"), &broker.address(mqtt), Some(folder.join("fleet"))).unwrap();
         let pose = Some(VehiclePose::default());
         let moment =
             VehicleMoment { pose, is_automatic: true, is_localised: true, ..VehicleMoment::default() };
@@ -162,9 +181,55 @@ impl Robot {
 
 #[test]
 fn order_survives_broker_restarts() {
+    order_survives(MqttVersion::V3);
+}
+
+#[test]
+fn order_survives_broker_restarts_over_mqtt_5() {
+    order_survives(MqttVersion::V5);
+}
+
+/// A broker that forgets everything with its power: what was on its way goes out again, and what comes after it, too.
+#[test]
+fn broker_that_forgets_loses_no_state() {
+    for mqtt in [MqttVersion::V3, MqttVersion::V5] {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(mut broker) = Broker::start_keeping(folder.path(), false) else { return };
+        let mut robot = Robot::new((&broker, mqtt), folder.path());
+        let master = Master::join(broker.port);
+        master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+        let confirmed = |robot: &Robot| robot.link.as_ref().map_or(0, FleetLink::confirmed);
+        // What it announced has arrived by then.
+        for _ in 0..50 {
+            robot.step();
+            thread::sleep(Duration::from_millis(10));
+        }
+        let before = confirmed(&robot);
+        // A broker that hangs confirms nothing: these are on their way when it loses its power.
+        broker.signal("-STOP");
+        for round in 0..TOGGLES {
+            robot.moment.is_paused = round % 2 == 0;
+            for _ in 0..12 {
+                robot.step();
+                thread::sleep(Duration::from_millis(10));
+            }
+        }
+        assert_eq!(confirmed(&robot), before, "{mqtt:?}: it hangs");
+        broker.lose_power();
+        let began = Instant::now();
+        while confirmed(&robot) < before + TOGGLES && began.elapsed() < PATIENCE {
+            robot.step();
+            thread::sleep(Duration::from_millis(10));
+        }
+        let arrived = confirmed(&robot) - before;
+        assert!(arrived >= TOGGLES, "{mqtt:?}: {arrived} of {TOGGLES} states arrived");
+    }
+}
+
+fn order_survives(mqtt: MqttVersion) {
     let folder = tempfile::tempdir().unwrap();
     let Some(mut broker) = Broker::start(folder.path()) else { return };
-    let mut robot = Robot::new(&broker, folder.path());
+    let mut robot = Robot::new((&broker, mqtt), folder.path());
     let master = Master::join(broker.port);
     master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
     master.send("instantActions", &instant("factsheetRequest", "f", json!([])));
