@@ -35,6 +35,12 @@ pub struct RobotBody {
     rolled_m: [f64; 4],
     /// Share of the grip that is left: 1 dry, 0.3 wet soap.
     pub grip: f32,
+    /// Its drives turn so many times as fast as commanded; 1 unless they are broken.
+    pub drive_gain: f32,
+    /// Its drives report so much of what they turn; 1 unless they are broken.
+    pub feedback_gain: f32,
+    /// Each encoder counts so much of what its wheel rolls; 1 unless it is broken.
+    pub encoder_gains: [f32; 4],
 }
 
 impl RobotBody {
@@ -53,6 +59,9 @@ impl RobotBody {
             unpowered_s: 0.0,
             rolled_m: [0.0; 4],
             grip: 1.0,
+            drive_gain: 1.0,
+            feedback_gain: 1.0,
+            encoder_gains: [1.0; 4],
         }
     }
 
@@ -138,7 +147,8 @@ impl RobotBody {
     pub fn wheel_counts(&self, ahead_s: f32) -> [i64; 4] {
         let speeds = self.measured_mps();
         [0, 1, 2, 3].map(|wheel| {
-            let travel = self.rolled_m[wheel] + f64::from(speeds[wheel] * ahead_s);
+            let rolled_m = self.rolled_m[wheel] + f64::from(speeds[wheel] * ahead_s);
+            let travel = rolled_m * f64::from(self.encoder_gains[wheel]);
             (travel * f64::from(self.parameters.ticks_per_m)).floor() as i64
         })
     }
@@ -204,10 +214,10 @@ impl RobotBody {
             *speed += (wanted - *speed).clamp(-limit * step_s, limit * step_s);
         };
         match law {
-            BrakeLaw::Driven(rim_mps) => approach(&mut self.front_mps, (rim_mps, grip)),
+            BrakeLaw::Driven(rim_mps) => approach(&mut self.front_mps, (self.drive_gain * rim_mps, grip)),
             BrakeLaw::Wheels(wheels) => {
                 for (rim, wanted) in self.rims_mps.iter_mut().zip(wheels) {
-                    approach(rim, wanted.map_or(braked, |wanted| (wanted, grip)));
+                    approach(rim, wanted.map_or(braked, |wanted| (self.drive_gain * wanted, grip)));
                 }
             }
             BrakeLaw::Braked => {

@@ -125,6 +125,29 @@ pub struct MisplacedFile {
     pub yaw_deg: f32,
 }
 
+/// Drives that turn faster than commanded.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunawayFile {
+    /// From then on, seconds.
+    pub from_s: f32,
+    /// So many times as fast.
+    pub gain: f32,
+    /// Their own feedback shows the commanded speed.
+    #[serde(default)]
+    pub is_hidden: bool,
+}
+
+/// A gyroscope that turns without the robot.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TurningGyroscopeFile {
+    /// From then on, seconds.
+    pub from_s: f32,
+    /// So fast, rad/s, counter-clockwise.
+    pub turn_radps: f32,
+}
+
 /// Everything that a run begins with.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -151,6 +174,13 @@ pub struct Scenario {
     pub without_floor_switches: bool,
     /// Share of the floor's grip that is left: 1 dry, 0.3 wet soap; none: dry.
     pub grip: Option<f32>,
+    /// Its drives turn faster than commanded.
+    pub runaway: Option<RunawayFile>,
+    /// Each wheel's encoder counts so much of what the wheel rolls: left and right, or all four; none: all of it.
+    #[serde(default)]
+    pub encoder_gains: Vec<f32>,
+    /// The gyroscope turns without the robot.
+    pub turning_gyroscope: Option<TurningGyroscopeFile>,
     /// The lidar is not where the robot's file says.
     pub lidar_misplaced: Option<MisplacedFile>,
     /// The scanner is not where the robot's file says.
@@ -178,6 +208,12 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// A device of the robot does otherwise than commanded, or measures otherwise than it is.
+    #[must_use]
+    pub const fn has_broken_devices(&self) -> bool {
+        self.runaway.is_some() || self.turning_gyroscope.is_some() || !self.encoder_gains.is_empty()
+    }
+
     /// Reads a scenario file.
     ///
     /// # Errors

@@ -5,5 +5,6 @@ mod encounter;
 mod file;
 
 pub use file::{
-    ManoeuvreFile, MisplacedFile, PersonFile, RecordedFile, RouteFile, Scenario, ScenarioError, StartFile,
+    ManoeuvreFile, MisplacedFile, PersonFile, RecordedFile, RouteFile, RunawayFile, Scenario, ScenarioError,
+    StartFile, TurningGyroscopeFile,
 };

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 
+use super::broken::BrokenDevices;
 use super::bus::Bus;
 use super::dirt::DirtyWorld;
 use super::misplaced::mounted;
@@ -18,7 +19,9 @@ use crate::people::{Crowd, RobotShape};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters, Train};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
-use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, LidarSensor, Motion, Scanner, ScannerState, View};
+use crate::sensors::{
+    FloorCameraSensor, FloorFrame, ImuSensor, LidarSensor, Motion, Scanner, ScannerState, View,
+};
 use crate::wire::{Payload, Stream, WireEvent};
 
 const STEP_US: u64 = 1_000;
@@ -48,10 +51,11 @@ pub struct Simulation {
     lidar: LidarSensor,
     scanner: Scanner,
     rear_scanner: Option<Scanner>,
-    imu: Imu,
+    imu: ImuSensor,
     dirt: Option<DirtyWorld>,
     touch: Touch,
     turn_radps2: f32,
+    broken: BrokenDevices,
     towed: Option<Towed>,
     pub(super) now_us: u64,
     next_step_us: u64,
@@ -84,6 +88,8 @@ impl Simulation {
         let parameters = mounted(scenario, nominal.clone());
         let mut body = RobotBody::new(parameters.clone(), scenario.start_pose());
         body.grip = scenario.grip.unwrap_or(body.grip).clamp(0.0, 1.0);
+        let broken = BrokenDevices::of(scenario);
+        broken.break_encoders(&mut body);
         Ok(Self {
             touch: Touch::new(&parameters, scenario, &scene),
             nominal,
@@ -95,8 +101,9 @@ impl Simulation {
             lidar: LidarSensor::of(parameters.lidar_device, seed),
             scanner: Scanner::of(parameters.scanner_device, seed),
             rear_scanner: parameters.rear_scanner.map(|_| Scanner::at_rear(seed)),
-            imu: Imu::new(seed),
+            imu: ImuSensor::new(parameters.imu_device, seed),
             turn_radps2: 0.0,
+            broken,
             towed: None,
             parameters,
             now_us: 0,
@@ -205,6 +212,7 @@ impl Simulation {
                 Some(towed) if !self.bus.power_cut() => (towed.law, towed.steering_rad),
                 _ => (self.bus.brake_law(), driven),
             };
+            self.broken.break_drives(&mut self.body, now_us);
             let turn_before = self.body.twist().angular_radps;
             self.body.step(step_s, law, steering);
             self.turn_radps2 = (self.body.twist().angular_radps - turn_before) / step_s;
@@ -243,7 +251,7 @@ impl Simulation {
         Motion {
             forward_mps2: self.body.acceleration_mps2() - turn * turn * self.parameters.imu.x_m,
             left_mps2: twist.linear_mps * turn + self.turn_radps2 * self.parameters.imu.x_m,
-            yaw_radps: turn,
+            yaw_radps: turn + self.broken.false_turn_radps(self.now_us),
             heading_rad: self.body.pose().heading_rad,
         }
     }
@@ -335,7 +343,7 @@ impl Simulation {
 
     /// The inertial sensor, for what only its maker knows.
     #[must_use]
-    pub const fn imu(&self) -> &Imu {
+    pub const fn imu(&self) -> &ImuSensor {
         &self.imu
     }
 

@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 
 use floorguard_contact_judge::JobOutcome;
 use floorguard_sim::FaultSpec;
+use floorguard_types::geometry::Pose2;
 
 use super::contacts::contact_plan;
 use super::removal::Removal;
 use super::{STACK_BYTES, watched};
 use crate::judge::Verdict;
 use crate::plan::Plan;
-use crate::world::load_scenario;
+use crate::world::{Observation, PATH_US, load_scenario};
 
 /// By then what stands on the way is reached, microseconds.
 const DURATION_US: u64 = 14_000_000;
@@ -27,6 +28,12 @@ enum Sign {
     Refused,
     /// The headline counts a contact that the whole robot has not. The run may pass, where no sensor could see the object.
     Touches,
+    /// The body leaves its route.
+    Strays,
+    /// The body is faster than its file permits at all.
+    Speeds,
+    /// The body is still fast where the whole robot has slowed down for what is ahead.
+    Rushes,
 }
 
 /// A world, what goes on in it with every robot, and the protection without which it is lost.
@@ -42,7 +49,7 @@ const fn case(world: &'static str, removal: Removal) -> Case {
     Case { world, fault: None, emergency_stop: false, removal, sign: Sign::Fails }
 }
 
-const CASES: [Case; 17] = [
+const CASES: [Case; 21] = [
     Case { sign: Sign::Refused, ..case("box-aside", Removal::Fields) },
     case("post-30", Removal::ScannerReturns),
     case("board-70", Removal::LidarReturns),
@@ -59,6 +66,10 @@ const CASES: [Case; 17] = [
     case("board-70", Removal::ProtectiveRules),
     case("board-30", Removal::MemoryRules),
     Case { sign: Sign::Touches, ..case("step-in", Removal::PersonRule) },
+    Case { sign: Sign::Rushes, ..case("box-30", Removal::WarningRule) },
+    Case { sign: Sign::Speeds, ..case("runaway", Removal::OverspeedRule) },
+    Case { sign: Sign::Strays, ..case("dead-encoders", Removal::SpeedRule) },
+    Case { sign: Sign::Strays, ..case("turning-gyroscope", Removal::TurnRules) },
     Case {
         // Nothing sees the box: the robot stands before it because its scanner is lost.
         fault: Some("scanner:drop=100%,from=3s"),
@@ -67,11 +78,15 @@ const CASES: [Case; 17] = [
     },
 ];
 
-/// No world known to us is lost without these. The warning field lowers the speed before a protective field is entered, and the fields,
-/// which grow with the speed, hold the robot in time without it. Of the motion checks each finds the faults of the others' devices, too,
-/// and no simulated drive runs away.
-const UNNOTICED: [Removal; 4] =
-    [Removal::WarningRule, Removal::OverspeedRule, Removal::SpeedRule, Removal::TurnRules];
+/// Above the greatest speed of its file by this share it is too fast, and speeds if it stays so for longer than this, seconds.
+const SPEEDING: f32 = 1.15;
+const SPEEDING_S: f32 = 1.0;
+/// The body is off its route from this distance on, metres.
+const STRAY_M: f32 = 0.3;
+/// Above its warning speed by this it is fast, m/s.
+const FAST_MPS: f32 = 0.1;
+/// It rushes if it is fast so much farther than the whole robot, metres.
+const RUSH_M: f32 = 0.3;
 
 fn plan(case: &Case) -> Plan {
     let path = format!("{}/../scenarios/hazards/{}.toml", env!("CARGO_MANIFEST_DIR"), case.world);
@@ -83,12 +98,51 @@ fn plan(case: &Case) -> Plan {
     plan
 }
 
-fn verdict(plan: &Plan, removal: Option<Removal>) -> Verdict {
+fn observation(plan: &Plan, removal: Option<Removal>) -> Observation {
     let mut plan = plan.clone();
     if let Some(removal) = removal {
         removal.apply(&mut plan).expect("a line of that name");
     }
-    watched(&plan).unwrap_or_else(|error| panic!("{}: {error:#}", plan.name)).verdict
+    watched(&plan).unwrap_or_else(|error| panic!("{}: {error:#}", plan.name))
+}
+
+fn verdict(plan: &Plan, removal: Option<Removal>) -> Verdict {
+    observation(plan, removal).verdict
+}
+
+/// The farthest that the true body came from its route, metres. The route begins where the robot does, in the middle of the hall.
+fn stray_m(plan: &Plan, seen: &Observation) -> f32 {
+    let waypoints = plan.robot.route.waypoints.iter().map(|place| [place.x_m, place.y_m]);
+    let corners: Vec<[f32; 2]> = std::iter::once([0.0, 0.0]).chain(waypoints).collect();
+    let to_leg = |[x_m, y_m]: [f32; 2], leg: &[[f32; 2]]| {
+        let ([from_x, from_y], [to_x, to_y]) = (leg[0], leg[1]);
+        let (ahead_x, ahead_y) = (to_x - from_x, to_y - from_y);
+        let along = (x_m - from_x) * ahead_x + (y_m - from_y) * ahead_y;
+        let share = (along / (ahead_x * ahead_x + ahead_y * ahead_y)).clamp(0.0, 1.0);
+        (x_m - from_x - share * ahead_x).hypot(y_m - from_y - share * ahead_y)
+    };
+    let to_route = |pose: &Pose2| {
+        corners.windows(2).map(|leg| to_leg([pose.x_m, pose.y_m], leg)).fold(f32::INFINITY, f32::min)
+    };
+    seen.robot_path.iter().map(to_route).fold(0.0, f32::max)
+}
+
+/// How long the true body was faster than its file permits at all, seconds.
+fn too_fast_s(plan: &Plan, seen: &Observation) -> f32 {
+    let step_s = PATH_US as f32 * 1.0e-6;
+    let limit_m = SPEEDING * plan.robot.limits.speed_mps * step_s;
+    let steps =
+        seen.robot_path.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m));
+    steps.filter(|step_m| *step_m > limit_m).count() as f32 * step_s
+}
+
+/// How far along the hall the true body was still faster than in its warning field, metres.
+fn fast_until_m(plan: &Plan, seen: &Observation) -> f32 {
+    let limit_mps = plan.robot.thresholds.warning_speed_mps + FAST_MPS;
+    let step_s = PATH_US as f32 * 1.0e-6;
+    let fast =
+        seen.robot_path.windows(2).filter(|pair| (pair[1].x_m - pair[0].x_m).abs() > limit_mps * step_s);
+    fast.map(|pair| pair[1].x_m).fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// Why the guard does not take the robot without a protection; none if it does.
@@ -111,7 +165,16 @@ fn complaint(case: &Case) -> Option<String> {
         let names_the_gap = refusal.contains("leaves out what the body sweeps");
         return (!names_the_gap).then(|| format!("{} without {:?}: {refusal}", case.world, case.removal));
     }
-    let (whole, without) = rayon::join(|| verdict(&plan, None), || verdict(&plan, Some(case.removal)));
+    let (whole_seen, without_seen) =
+        rayon::join(|| observation(&plan, None), || observation(&plan, Some(case.removal)));
+    let strays_m = [stray_m(&plan, &whole_seen), stray_m(&plan, &without_seen)];
+    let fast_m = [fast_until_m(&plan, &whole_seen), fast_until_m(&plan, &without_seen)];
+    let too_fast_s = [too_fast_s(&plan, &whole_seen), too_fast_s(&plan, &without_seen)];
+    println!(
+        "{} without {:?}: off the route by {strays_m:?} m, fast until {fast_m:?} m, too fast for {too_fast_s:?} s",
+        case.world, case.removal
+    );
+    let (whole, without) = (whole_seen.verdict, without_seen.verdict);
     let touches = |verdict: &Verdict| verdict.bodies.counts.while_moving() > 0;
     let words = |what: &str, verdict: &Verdict| {
         let (failures, contacts) = (&verdict.failures, verdict.contacts_in_words());
@@ -122,6 +185,11 @@ fn complaint(case: &Case) -> Option<String> {
         Sign::Touches if touches(&whole) => words("the whole robot touches something", &whole),
         Sign::Fails if without.passed => words("it passes", &without),
         Sign::Touches if !touches(&without) => words("it touches nothing", &without),
+        Sign::Strays if strays_m[0] > STRAY_M => words("the whole robot leaves its route", &whole),
+        Sign::Strays if strays_m[1] <= STRAY_M => words("it stays on its route", &without),
+        Sign::Speeds if too_fast_s[0] > SPEEDING_S => words("the whole robot is too fast", &whole),
+        Sign::Speeds if too_fast_s[1] <= SPEEDING_S => words("it is not too fast", &without),
+        Sign::Rushes if fast_m[1] < fast_m[0] + RUSH_M => words("it slows down as early", &without),
         _ => None,
     }
 }
@@ -136,10 +204,10 @@ fn each_removed_protection_is_noticed() {
 }
 
 #[test]
-fn every_removal_has_a_world_or_is_listed() {
+fn every_removal_has_a_world() {
     for removal in Removal::ALL {
         let cases = CASES.iter().filter(|case| case.removal == removal).count();
-        assert_eq!(cases, usize::from(!UNNOTICED.contains(&removal)), "{removal:?}");
+        assert_eq!(cases, 1, "{removal:?}");
     }
 }
 

@@ -260,7 +260,8 @@ impl TrueContacts {
     /// # Errors
     /// The simulated robot's body is none.
     pub fn new(plan: &Plan, simulation: &Simulation) -> Result<Self, judge::BodyError> {
-        let excuse = match (plan.faults.is_empty() || plan.is_corrupted, plan.emergency_stop_us.is_empty()) {
+        let is_sound = plan.faults.is_empty() && !plan.scenario.has_broken_devices();
+        let excuse = match (is_sound || plan.is_corrupted, plan.emergency_stop_us.is_empty()) {
             (false, _) => Some("a fault was put in"),
             (true, false) => Some("the emergency stop was pressed"),
             (true, true) => None,

@@ -24,7 +24,7 @@ mod wheel_targets;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};
 pub use floor_camera::SimulatedCamera;
-pub use observation::{AdvisedPeople, Observation, SeenStop};
+pub use observation::{AdvisedPeople, Observation, PATH_US, SeenStop};
 pub use observer::{Observer, TRACKED_RANGE_M};
 pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use recorded_plan::{record_plan, record_plan_in_real_time, watch_plan};

@@ -9,7 +9,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use crate::judge::{HeardOf, MissionOutcome, Verdict};
 
 /// A path is drawn with one place per quarter of a second.
-pub(super) const PATH_US: u64 = 250_000;
+pub const PATH_US: u64 = 250_000;
 
 /// A stop, for the report.
 #[derive(Clone, Debug, PartialEq)]
