@@ -1,6 +1,6 @@
 //! Many robots at one Mosquitto that is killed again and again: every order is carried out once, and the master learns of each.
 //!
-//! `cargo run --release -p floorguard-fleet --example many_robots -- ROBOTS ORDERS KILLS`; it ends with 1 where an order was lost or
+//! `cargo run --release -p floorguard-fleet --example many_robots -- ROBOTS ORDERS KILLS [5]`, with 5 over MQTT 5; it ends with 1 where an order was lost or
 //! was carried out twice. The robots are where they are ordered to be at once: what is tried is the connection, not the driving.
 
 use std::collections::BTreeMap;
@@ -12,7 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use floorguard_fleet::{
-    BrokerAddress, FleetLink, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose,
+    BrokerAddress, FleetLink, MqttVersion, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose,
 };
 use rumqttc::{Client, Event, Incoming, MqttOptions, QoS};
 use serde_json::{Value, json};
@@ -153,15 +153,26 @@ impl Fleet {
     }
 }
 
+/// Memory of this process, KiB.
+fn memory_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap_or_default();
+    line.split_whitespace().next().and_then(|number| number.parse().ok()).unwrap_or(0)
+}
+
 fn main() {
     let numbers: Vec<usize> = std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
-    let &[robots, orders, kills] = numbers.as_slice() else { panic!("give ROBOTS ORDERS KILLS") };
+    let (robots, orders, kills, mqtt) = match *numbers.as_slice() {
+        [robots, orders, kills] => (robots, orders, kills, MqttVersion::V3),
+        [robots, orders, kills, 5] => (robots, orders, kills, MqttVersion::V5),
+        _ => panic!("give ROBOTS ORDERS KILLS [5]"),
+    };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let port =
         TcpListener::bind("127.0.0.1:0").and_then(|socket| socket.local_addr()).expect("a free port").port();
     let file = configure(folder.path(), port);
     let mut child = broker(&file);
-    let address = BrokerAddress { host: "127.0.0.1".to_owned(), port, ..BrokerAddress::default() };
+    let address = BrokerAddress { host: "127.0.0.1".to_owned(), port, mqtt, ..BrokerAddress::default() };
     let began = Instant::now();
     let mut fleet = Fleet { done: BTreeMap::new(), orders, sent: 0, refused: 0 };
     let mut driven: Vec<Robot> = Vec::new();
@@ -176,7 +187,7 @@ fn main() {
         fleet.done.insert(serial, (0, Instant::now()));
     }
     let (client, heard) = listen(port);
-    let (mut killed, mut last) = (0, Instant::now());
+    let (mut killed, mut last, mut early_kib) = (0, Instant::now(), 0);
     while !(fleet.is_done() && killed >= kills) && began.elapsed() < LONGEST {
         driven.iter_mut().for_each(|robot| robot.step(began.elapsed().as_secs_f64()));
         heard.try_iter().for_each(|(serial, state)| fleet.hear(&serial, &state));
@@ -187,6 +198,8 @@ fn main() {
             thread::sleep(Duration::from_millis(100));
             child = broker(&file);
             (killed, last) = (killed + 1, Instant::now());
+            // By a tenth of the kills everything has been there once.
+            early_kib = if killed == kills.div_ceil(10) { memory_kib() } else { early_kib };
         }
         thread::sleep(Duration::from_millis(20));
     }
@@ -195,11 +208,13 @@ fn main() {
     let confirmed: u64 = driven.iter().map(|robot| robot.link.confirmed()).sum();
     println!(
         "{robots} robots, {orders} orders each, broker killed {killed} times, {:.0} s: {} orders sent, {confirmed} messages confirmed; \
-         robots that did not drive each order once: {wrong}; all known to the master: {}; states with errors: {}",
+         robots that did not drive each order once: {wrong}; all known to the master: {}; states with errors: {}; \
+         memory {early_kib} KiB after a tenth of the kills, {} KiB at the end",
         began.elapsed().as_secs_f64(),
         fleet.sent,
         fleet.is_done(),
-        fleet.refused
+        fleet.refused,
+        memory_kib()
     );
     let _ = child.kill().and_then(|()| child.wait().map(drop));
     std::process::exit(i32::from(wrong > 0 || !fleet.is_done()));

@@ -8,8 +8,8 @@ use floorguard_types::time::Stamp;
 
 use super::arguments::{DecodeArguments, ModelArgument};
 use super::decode_can::decode_can;
-use super::decode_inertial::decode_inertial;
-use super::inspect::{inertial, is_candump};
+use super::decode_inertial::{decode_inertial, decode_vectornav};
+use super::inspect::{inertial, is_candump, vectornav};
 use floorguard_host::packing::beginning;
 use floorguard_recording::capture::{Capture, CaptureError, CaptureNotes, LIDAR_DATA_PORT, settle_model};
 
@@ -50,6 +50,9 @@ pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result
     let begins = beginning(&arguments.file, INERTIAL_BYTES).unwrap_or_default();
     if inertial(&begins).is_some() {
         return decode_inertial(&arguments.file, arguments.csv, out);
+    }
+    if vectornav(&begins).is_some() {
+        return decode_vectornav(&arguments.file, arguments.csv, out);
     }
     if is_candump(&begins) {
         return decode_can(&arguments.file, arguments.csv, out);

@@ -92,6 +92,40 @@ fn samples_and_frames_become_rows() {
     }
 }
 
+/// Text as delivered, then frames: what a capture of a VectorNav's start holds.
+#[test]
+fn vectornav_capture_becomes_rows() {
+    use floorguard_sim::wire::{VectorNavSample, vectornav_frame, vectornav_sentence};
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("vn.bin");
+    let frame = |step: u64| {
+        let sample = VectorNavSample {
+            since_start_ns: step * 10_000_000,
+            rate_radps: [0.0, 0.0, -0.5],
+            acceleration_mps2: [0.25, 0.0, -9.75],
+            saturation: u16::from(step == 3) << 6,
+        };
+        vectornav_frame(&sample, 0x0121, 0x0800)
+    };
+    let sentences = ["VNASY,0", "VNRRG,01,VN-100S-CR", "VNASY,1"].into_iter().flat_map(vectornav_sentence);
+    let bytes: Vec<u8> = sentences.chain((1..=50).flat_map(frame)).collect();
+    std::fs::write(&path, bytes).expect("written");
+    let page = page(&path);
+    assert!(page["kind"].as_str().expect("a kind").contains("VectorNav"), "{page}");
+    assert_eq!(
+        (&page["streams"][0]["count"], &page["streams"][1]["count"]),
+        (&50.into(), &3.into()),
+        "{page}"
+    );
+    assert!(page["streams"][0]["faults"].to_string().contains("1 with a saturated axis"), "{page}");
+    let words = ["decode", path.to_str().expect("a readable path"), "--csv"];
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).args(words).output().expect("it starts");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let rows: Vec<&str> = text.lines().collect();
+    assert_eq!((rows.len(), rows[1]), (51, "10000,,0.25,0,-9.75,0,0,-0.5,,,,,0"));
+    assert!(rows.iter().all(|row| row.split(',').count() == rows[0].split(',').count()));
+}
+
 /// A recording in which nobody can be looked for is called by its name, with the command that takes it.
 #[test]
 fn replay_names_what_it_cannot_play() {

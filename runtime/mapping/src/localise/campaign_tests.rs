@@ -2,6 +2,7 @@
 //! of its own, and its rays are stepped through it: nothing of the code under test makes the scans.
 
 use std::f64::consts::PI;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use floorguard_mapping::Occupancy;
 
@@ -294,28 +295,45 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
     Some(ended)
 }
 
+/// Every start in every map, with its number; each map on a core of its own.
+fn on_all_cores(maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
+    let next = AtomicU64::new(0);
+    let work = || {
+        let mut ended = Vec::new();
+        while let Some(map) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|map| *map < maps) {
+            let building = Building::random(&mut Random::new(map + 1));
+            for start in 0..starts {
+                let mut random = Random::new(1_000 * (map + 1) + start + 1);
+                ended.extend(located(&building, &mut random).map(|one| ((map, start), one)));
+            }
+        }
+        ended
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut all: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a drive ends")).collect()
+    });
+    all.sort_by_key(|(number, _)| *number);
+    all
+}
+
 /// `FLOORGUARD_LOCALISATION=20x100` runs the whole campaign and prints it; without it a single drive is run.
 #[test]
 fn places_are_found_in_changed_buildings() {
     let order = std::env::var("FLOORGUARD_LOCALISATION").unwrap_or_else(|_| "1x1".to_owned());
     let (maps, starts) =
         order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((1, 1));
-    let (mut all, mut found, mut soon, mut wrong) = (0_u32, 0_u32, 0_u32, 0_u32);
-    let mut share = 0.0;
-    for map in 0..maps {
-        let building = Building::random(&mut Random::new(map + 1));
-        for start in 0..starts {
-            let mut random = Random::new(1_000 * (map + 1) + start + 1);
-            let Some(ended) = located(&building, &mut random) else { continue };
-            all += 1;
-            found += u32::from(ended.found_s.is_some());
-            soon += u32::from(ended.found_s.is_some_and(|found_s: f64| found_s <= 10.0));
-            wrong += u32::from(ended.wrong);
-            share += ended.changed;
-            if ended.wrong || ended.found_s.is_none() {
-                println!("map {map} start {start}: {ended:?}");
-            }
-        }
+    let ended = on_all_cores(maps, starts);
+    let count = |holds: &dyn Fn(&Ended) -> bool| ended.iter().filter(|(_, one)| holds(one)).count() as u32;
+    let (all, wrong) = (ended.len() as u32, count(&|one| one.wrong));
+    let (found, soon) = (
+        count(&|one| one.found_s.is_some()),
+        count(&|one| one.found_s.is_some_and(|found_s: f64| found_s <= 10.0)),
+    );
+    let share: f64 = ended.iter().map(|(_, one)| one.changed).sum();
+    for ((map, start), one) in ended.iter().filter(|(_, one)| one.wrong || one.found_s.is_none()) {
+        println!("map {map} start {start}: {one:?}");
     }
     println!(
         "{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain",

@@ -8,7 +8,9 @@ mod page;
 mod run;
 mod serial;
 mod timeline;
+mod vectornav;
 
 pub use lines::{can_frame, can_service, is_candump};
 pub use run::{InspectArguments, page as page_of, run};
 pub use serial::{inertial, scanner};
+pub use vectornav::vectornav;

@@ -1,4 +1,4 @@
-//! The bytes of a serial line: an MTi's Xbus frames or an S300's telegrams, known by right checksums.
+//! The bytes of a serial line: an MTi's Xbus frames, a VectorNav's or an S300's telegrams, known by right checksums.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -12,6 +12,7 @@ use floorguard_types::time::Stamp;
 
 use super::page::{Page, Stream};
 use super::timeline::Timeline;
+use super::vectornav::vectornav;
 use floorguard_host::outcome::BadInput;
 
 /// So many right checksums make no accident.
@@ -21,20 +22,21 @@ const BYTES_MAX: u64 = 256 << 20;
 /// An S300 sends a scan every 40 ms.
 const SCAN_US: u64 = 40_000;
 
-/// The page, if the bytes are one of the two.
+/// The page of bytes, if they are of a kind.
+type PageOf = fn(&[u8]) -> Option<Page>;
+
+/// The page, if the bytes are one of the three.
 ///
 /// # Errors
 /// It cannot be read.
 pub fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
-    let is_mti = inertial(begins).is_some();
-    if !is_mti && scanner(begins).is_none() {
-        return Ok(None);
-    }
+    let kinds: [PageOf; 3] = [inertial, vectornav, scanner];
+    let Some(kind) = kinds.into_iter().find(|kind| kind(begins).is_some()) else { return Ok(None) };
     let bad = |error: std::io::Error| BadInput(format!("{}: {error}", file.display()));
     let source = File::open(file).and_then(unpacked).map_err(bad)?;
     let mut bytes = Vec::new();
     source.take(BYTES_MAX).read_to_end(&mut bytes).map_err(bad)?;
-    Ok(if is_mti { inertial(&bytes) } else { scanner(&bytes) })
+    Ok(kind(&bytes))
 }
 
 /// An MTi.
