@@ -80,7 +80,7 @@ pub enum Command {
     Explain(super::ExplainArguments),
     /// Read the log of a black box and make it a recording.
     #[command(after_help = "Example:\n  floorguard blackbox stop-1.log --out stop-1.mcap")]
-    Blackbox(crate::recordings::BlackBoxArguments),
+    Blackbox(crate::reports::BlackBoxArguments),
     /// Print every return of a lidar capture, or every sample of an inertial sensor's bytes.
     #[command(after_help = "Example:\n  floorguard decode puck.pcap --csv > points.csv")]
     Decode(DecodeArguments),

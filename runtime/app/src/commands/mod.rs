@@ -82,7 +82,7 @@ use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports,
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
-        Some(Command::Blackbox(arguments)) => recordings::blackbox(&arguments),
+        Some(Command::Blackbox(arguments)) => reports::blackbox(&arguments),
         Some(Command::Report(arguments)) => reports::run(&arguments),
         Some(Command::Explain(arguments)) => crate::reports::explain(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),

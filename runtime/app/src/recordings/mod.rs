@@ -1,7 +1,6 @@
 //! Recordings of every kind: what is in them, their rows, and what the robot's stages make of them.
 
 mod arguments;
-mod blackbox;
 mod decode;
 mod decode_can;
 mod decode_inertial;
@@ -12,7 +11,6 @@ mod inspect;
 mod replay;
 
 pub use arguments::{DecodeArguments, ModelArgument, ReplayArguments};
-pub use blackbox::{BlackBoxArguments, run as blackbox};
 pub use decode::{decode_to, run as decode};
 pub(crate) use findings::say_findings;
 pub(crate) use frame_tree::{FrameTree, flat, is_base};
