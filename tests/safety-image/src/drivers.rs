@@ -4,6 +4,7 @@ use core::hint::black_box;
 
 use floorguard_drivers::can::{CanFrame, SlcanReceiver, encode_slcan};
 use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, decode_sdo, network_frame};
+use floorguard_drivers::inertial::InertialSensor;
 use floorguard_drivers::lidar::{AnyDecoder, LidarDecoder};
 use floorguard_drivers::microscan3;
 use floorguard_drivers::s300;
@@ -150,12 +151,13 @@ fn root_canopen(state: &mut Drivers, now: Stamp) {
 
 #[inline(never)]
 fn root_xsens(imu: &mut xsens::Device, bytes: &[u8], now: Stamp) {
-    imu.push(bytes, now, |event| {
+    imu.take(bytes, now, &mut |event| {
         black_box(&event);
     });
-    imu.poll(now, &mut |bytes| {
+    imu.request(now, &mut |bytes| {
         black_box(bytes);
     });
+    black_box(imu.complaint());
 }
 
 #[inline(never)]
