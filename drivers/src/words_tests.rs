@@ -6,6 +6,7 @@ use std::string::{String, ToString};
 use crate::canopen::{Emergency, SdoError};
 use crate::microscan3::{FragmentError, MessageError, ScanError};
 use crate::s300::TelegramError;
+use crate::vectornav;
 use crate::velodyne::{DecodeError, GprmcError, Model, PacketError, PositionError};
 use crate::xsens::DeviceFault;
 
@@ -150,4 +151,12 @@ fn lidar_and_inertial_sensor() {
         DeviceFault::LineTooSlow,
         DeviceFault::NoAnswer,
     ]);
+    differ(&[
+        vectornav::DeviceFault::WrongProduct,
+        vectornav::DeviceFault::OtherItems,
+        vectornav::DeviceFault::Rejected(7),
+        vectornav::DeviceFault::LineTooSlow,
+        vectornav::DeviceFault::NoAnswer,
+    ]);
+    names(&vectornav::DeviceFault::Rejected(0x0B), &["0B"]);
 }

@@ -1,7 +1,7 @@
 //! The device as a whole: brought to measure, kept measuring, read (book, VectorNav: Start-up).
 //!
-//! Samples are delivered in every phase as long as they are whole: a robot that has to wait for an answer which some cable never brings
-//! is worse off than one that uses what it gets.
+//! Samples are delivered as long as they are whole and the device is not refused: a robot that has to wait for an answer which some
+//! cable never brings is worse off than one that uses what it gets. A refused device may send anything: its samples are not used.
 
 use floorguard_types::number::{truncating_u16, truncating_u32};
 use floorguard_types::sensing::ImuSample;
@@ -265,6 +265,9 @@ impl Device {
     }
 
     fn on_frame(&mut self, payload: &[u8; 34], now: Stamp, event: &mut impl FnMut(DeviceEvent)) {
+        if self.phase == DevicePhase::Refused {
+            return;
+        }
         let Ok(measurement) = Measurement::decode(payload) else {
             self.counters.refused = self.counters.refused.saturating_add(1);
             return event(DeviceEvent::Refused);
@@ -295,7 +298,10 @@ impl Device {
     fn count(&mut self, since_start_ns: u64) -> bool {
         self.counters.samples = self.counters.samples.saturating_add(1);
         let last_ns = self.last_time_ns.replace(since_start_ns);
-        // A time that went back is a device that was restarted: the next sample, whatever lay between.
+        // A time that went back is a device that was restarted: the next sample, whatever lay between, and a clock to be learned anew.
+        if last_ns.is_some_and(|last| since_start_ns < last) {
+            self.clock = HourClock::default();
+        }
         let passed_ns = last_ns.map_or(PERIOD_NS, |last| match since_start_ns.checked_sub(last) {
             Some(0) => 0,
             Some(passed) => passed.max(PERIOD_NS),

@@ -109,8 +109,11 @@ fn other_product_other_output_and_errors_are_faults() {
         (3, "VNERR,07", DeviceFault::Rejected(7)),
     ] {
         let mut device = up_to(steps);
+        assert_eq!(samples(&mut device, &frame(0), 2_500).len(), 1, "{words}");
         answer(&mut device, words, 3_000);
         assert_eq!((device.phase(), device.fault()), (DevicePhase::Refused, Some(fault)), "{words}");
+        // What it sends is not used.
+        assert_eq!(samples(&mut device, &frame(10_000_000), 9_000), [], "{words}");
         // It is asked anew after five seconds: it may have been replaced.
         assert_eq!(polled(&mut device, 10_000), "");
         assert_eq!(polled(&mut device, 4_000_000), "");
@@ -197,4 +200,22 @@ fn time_is_the_devices_and_never_late() {
         }
     }
     assert!(worst_us < 300, "{worst_us}");
+}
+
+/// A restarted device counts from zero: the clock that was learned from it before must not hold its samples back.
+#[test]
+fn restarted_time_is_learned_anew() {
+    let (mut device, _) = started("VN-100S");
+    let mut late_us = |time_us: u64, arrived_us: u64| {
+        let sample = samples(&mut device, &frame(time_us * 1_000), arrived_us)[0];
+        arrived_us - sample.stamp.as_micros()
+    };
+    for step in 0..100 {
+        let _ = late_us(5_000_000 + step * 10_000, 1_000_000 + step * 10_000);
+    }
+    // 200 ms of silence, not enough for a new start-up, and a device that begins again.
+    for step in 0..20 {
+        let late_us = late_us(step * 10_000, 2_200_000 + step * 10_000);
+        assert!(late_us < 10_000, "{late_us} us at sample {step}");
+    }
 }

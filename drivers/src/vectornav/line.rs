@@ -55,10 +55,9 @@ pub struct LineCounters {
 /// }
 /// assert_eq!(sentences, [b"VNRRG,04,3.1.0.0"]);
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LineReceiver {
-    buffer: [u8; SENTENCE_MAX],
-    length: usize,
+    bytes: Vec<u8, SENTENCE_MAX>,
     last_byte: Stamp,
     counters: LineCounters,
 }
@@ -82,17 +81,15 @@ impl LineReceiver {
     /// Takes in bytes that arrived at `now`. `message` is called for each right frame and sentence.
     pub fn push(&mut self, bytes: &[u8], now: Stamp, mut message: impl FnMut(Message<'_>)) {
         let is_silent = matches!(self.last_byte.age(now), Age::Past(us) if us > GAP_MAX_US);
-        if is_silent && self.length > 0 {
+        if is_silent && !self.bytes.is_empty() {
             self.counters.gaps = self.counters.gaps.saturating_add(1);
             self.skip();
             self.consume(&mut message);
         }
         for byte in bytes {
             self.counters.bytes = self.counters.bytes.saturating_add(1);
-            if let Some(slot) = self.buffer.get_mut(self.length) {
-                *slot = *byte;
-                self.length = self.length.saturating_add(1);
-            }
+            // Never full: as many bytes are a message or none, and both leave the buffer.
+            let _ = self.bytes.push(*byte);
             self.consume(&mut message);
         }
         self.last_byte = now;
@@ -110,7 +107,7 @@ impl LineReceiver {
             match self.front() {
                 Front::Frame => {
                     self.counters.frames = self.counters.frames.saturating_add(1);
-                    if let Some((_, payload)) = self.buffer.split_first_chunk::<{ HEADER.len() }>()
+                    if let Some((_, payload)) = self.bytes.split_first_chunk::<{ HEADER.len() }>()
                         && let Some(payload) = payload.first_chunk()
                     {
                         message(Message::Frame(payload));
@@ -119,7 +116,7 @@ impl LineReceiver {
                 }
                 Front::Sentence { words, total } => {
                     self.counters.sentences = self.counters.sentences.saturating_add(1);
-                    if let Some(words) = self.buffer.get(1..=words) {
+                    if let Some(words) = self.bytes.get(1..=words) {
                         message(Message::Sentence(words));
                     }
                     self.discard(total);
@@ -135,12 +132,11 @@ impl LineReceiver {
     }
 
     fn front(&self) -> Front {
-        let bytes = self.buffer.get(..self.length).unwrap_or_default();
-        match bytes.first() {
+        match self.bytes.first() {
             None => Front::Unfinished,
-            Some(b'$') => sentence_at_front(bytes),
-            Some(_) if bytes.iter().zip(HEADER).all(|(byte, expected)| *byte == expected) => {
-                let Some((frame, _)) = bytes.split_first_chunk::<FRAME_BYTES>() else {
+            Some(b'$') => sentence_at_front(&self.bytes),
+            Some(_) if self.bytes.iter().zip(HEADER).all(|(byte, expected)| *byte == expected) => {
+                let Some((frame, _)) = self.bytes.split_first_chunk::<FRAME_BYTES>() else {
                     return Front::Unfinished;
                 };
                 // The checksum behind what it covers leaves nothing.
@@ -153,37 +149,17 @@ impl LineReceiver {
 
     /// Drops the first byte, and then everything that can begin nothing.
     fn skip(&mut self) {
-        let used = self.buffer.get(..self.length).unwrap_or_default();
-        let next = used.iter().skip(1).position(|byte| matches!(*byte, b'$' | 0xFA));
-        let count = next.map_or(self.length, |position| position.saturating_add(1));
+        let next = self.bytes.iter().skip(1).position(|byte| matches!(*byte, b'$' | 0xFA));
+        let count = next.map_or(self.bytes.len(), |position| position.saturating_add(1));
         self.counters.skipped =
             self.counters.skipped.saturating_add(u32::try_from(count).unwrap_or(u32::MAX));
         self.discard(count);
     }
 
     fn discard(&mut self, count: usize) {
-        let kept = self.length.saturating_sub(count);
-        for index in 0..SENTENCE_MAX {
-            if index >= kept {
-                break;
-            }
-            let byte = self.buffer.get(index.saturating_add(count)).copied().unwrap_or_default();
-            if let Some(slot) = self.buffer.get_mut(index) {
-                *slot = byte;
-            }
-        }
-        self.length = kept;
-    }
-}
-
-impl Default for LineReceiver {
-    fn default() -> Self {
-        Self {
-            buffer: [0; SENTENCE_MAX],
-            length: 0,
-            last_byte: Stamp::ZERO,
-            counters: LineCounters::default(),
-        }
+        let count = count.min(self.bytes.len());
+        self.bytes.rotate_left(count);
+        self.bytes.truncate(self.bytes.len().saturating_sub(count));
     }
 }
 

@@ -32,22 +32,22 @@ const REFUSED_US: u64 = 5_000_000;
 /// A step asks this often.
 const TRIES: u8 = 5;
 
-/// Samples of the device itself per sample that it sends: 800 or 400 a second (book, VectorNav: Start-up).
+/// Which rate of its own a device divides: 800 or 400 samples a second (book, VectorNav: Start-up).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Series {
     /// VN-100 and VN-110.
     #[default]
-    Eighth,
+    Vn100,
     /// VN-200, VN-300 and their kin.
-    Fourth,
+    Vn200,
 }
 
 impl Series {
     /// By the words of the model register.
     pub fn of(name: &[u8]) -> Option<Self> {
         match name {
-            [b'V', b'N', b'-', b'1', ..] => Some(Self::Eighth),
-            [b'V', b'N', b'-', b'2' | b'3', ..] => Some(Self::Fourth),
+            [b'V', b'N', b'-', b'1', ..] => Some(Self::Vn100),
+            [b'V', b'N', b'-', b'2' | b'3', ..] => Some(Self::Vn200),
             _ => None,
         }
     }
@@ -55,8 +55,8 @@ impl Series {
     /// The write of the register of the first binary output: both ports, divisor, groups, fields.
     const fn configuration(self) -> &'static [u8] {
         match self {
-            Self::Eighth => b"VNWRG,75,3,8,05,0121,0800",
-            Self::Fourth => b"VNWRG,75,3,4,05,0121,0800",
+            Self::Vn100 => b"VNWRG,75,3,8,05,0121,0800",
+            Self::Vn200 => b"VNWRG,75,3,4,05,0121,0800",
         }
     }
 }

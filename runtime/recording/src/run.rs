@@ -183,6 +183,8 @@ impl<W: Write + Seek> RunRecorder<W> {
                         samples.push(sample);
                     }
                 });
+                // A device that was refused is asked again after a while and then believed; here nobody hears the question.
+                self.imu.request(logged, &mut |_| {});
                 for sample in std::mem::take(&mut self.imu_samples) {
                     self.write(|out| out.imu(logged, &sample));
                 }

@@ -178,3 +178,22 @@ fn edited_frames_are_no_samples() {
     rig.run(3.0);
     assert!((180..=260).contains(&rig.samples.len()), "{}", rig.samples.len());
 }
+
+/// A clock that is wrong, runs away, stands still, or a line that is late: no sample is ever of the future, and afterwards they are
+/// fresh again.
+#[test]
+fn lying_clocks_never_reach_into_the_future() {
+    for fault in ["past=500ms", "future=500ms", "drift=5%", "stuck", "delay=100ms"] {
+        let mut rig = Rig::new(12, &[&format!("imu:{fault},from=1s,to=4s")]);
+        for _ in 0..80 {
+            let before = rig.samples.len();
+            rig.run(0.1);
+            let now = Stamp::from_micros(rig.seat.now_us());
+            let is_past = |sample: &ImuSample| matches!(sample.stamp.age(now), Age::Past(_));
+            assert!(rig.samples[before..].iter().all(is_past), "{fault}");
+        }
+        let last = rig.samples.last().map(|sample| sample.stamp.age(Stamp::from_micros(rig.seat.now_us())));
+        assert!(matches!(last, Some(Age::Past(us)) if us < 20_000), "{fault}: {last:?}");
+        assert_eq!(rig.device.phase(), DevicePhase::Measuring, "{fault}");
+    }
+}
