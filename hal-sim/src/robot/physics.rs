@@ -123,10 +123,10 @@ impl RobotBody {
         self.steering_rad
     }
 
-    /// Ground speed of the powered front wheel, or of the powered rear axle, m/s.
+    /// Speed of the powered front wheel, or of the powered rear axle, as its drive reports it, m/s.
     #[must_use]
     pub const fn front_mps(&self) -> f32 {
-        self.front_mps
+        self.front_mps * self.feedback_gain
     }
 
     /// Along the robot, m/s².
@@ -145,18 +145,17 @@ impl RobotBody {
     /// Counts of all wheels that measure, `ahead_s` after the last step.
     #[must_use]
     pub fn wheel_counts(&self, ahead_s: f32) -> [i64; 4] {
-        let speeds = self.measured_mps();
+        let (rolled_m, speeds) = (self.rolled_m(), self.measured_mps());
         [0, 1, 2, 3].map(|wheel| {
-            let rolled_m = self.rolled_m[wheel] + f64::from(speeds[wheel] * ahead_s);
-            let travel = rolled_m * f64::from(self.encoder_gains[wheel]);
-            (travel * f64::from(self.parameters.ticks_per_m)).floor() as i64
+            let ahead_m = f64::from(speeds[wheel] * self.encoder_gains[wheel] * ahead_s);
+            ((rolled_m[wheel] + ahead_m) * f64::from(self.parameters.ticks_per_m)).floor() as i64
         })
     }
 
-    /// Metres that each wheel has rolled that measures.
+    /// Metres that each wheel has rolled that measures, as its encoder counts them.
     #[must_use]
-    pub const fn rolled_m(&self) -> [f64; 4] {
-        self.rolled_m
+    pub fn rolled_m(&self) -> [f64; 4] {
+        [0, 1, 2, 3].map(|wheel| self.rolled_m[wheel] * f64::from(self.encoder_gains[wheel]))
     }
 
     /// Encoder counts per metre.
@@ -165,17 +164,17 @@ impl RobotBody {
         self.parameters.ticks_per_m
     }
 
-    /// Ground speed of the left and right rear wheel, m/s; of wheels with drives, of the first two.
+    /// Speed of the left and right rear wheel as their encoders count them, m/s; of wheels with drives, of the first two.
     #[must_use]
     pub fn wheel_speeds(&self) -> [f32; 2] {
         let [left, right, ..] = self.measured_mps();
-        [left, right]
+        [left * self.encoder_gains[0], right * self.encoder_gains[1]]
     }
 
-    /// Rim speeds of wheels that have a drive each, m/s.
+    /// Rim speeds of wheels that have a drive each, as the drives report them, m/s.
     #[must_use]
-    pub const fn rims_mps(&self) -> [f32; 4] {
-        self.rims_mps
+    pub fn rims_mps(&self) -> [f32; 4] {
+        self.rims_mps.map(|rim_mps| rim_mps * self.feedback_gain)
     }
 
     /// Rim speeds that move the body like this, of wheels that have a drive each.

@@ -147,7 +147,7 @@ impl Bus {
             Drives::Steered { encoders, .. } => {
                 let speeds = body.wheel_speeds();
                 for side in 0..2 {
-                    let counts_per_s = speeds[side] * body.encoder_gains[side] * body.ticks_per_m();
+                    let counts_per_s = speeds[side] * body.ticks_per_m();
                     encoders[side].tick(now_us, counts[side], counts_per_s, out);
                 }
             }
@@ -171,8 +171,7 @@ impl Bus {
         match &mut self.drives {
             Drives::Steered { traction, steering, .. } => {
                 let angle_rad = body.steering_rad();
-                let measured =
-                    MeasuredMotion { speed_mps: body.front_mps() * body.feedback_gain, angle_rad, counts: 0 };
+                let measured = MeasuredMotion { speed_mps: body.front_mps(), angle_rad, counts: 0 };
                 traction.tick(now_us, step_s, measured, &mut out);
                 steering.tick(now_us, step_s, MeasuredMotion { speed_mps: 0.0, ..measured }, &mut out);
             }

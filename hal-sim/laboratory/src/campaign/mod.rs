@@ -13,6 +13,8 @@ mod removal;
 mod removal_tests;
 mod single_faults;
 mod summary;
+#[cfg(test)]
+mod true_path;
 
 pub use contacts::{
     ContactRow, ContactSummary, FamilyCounts, TapedContactTrial, contact_plan, contact_trial,

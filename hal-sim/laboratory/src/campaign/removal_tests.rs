@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 
 use floorguard_contact_judge::JobOutcome;
 use floorguard_sim::FaultSpec;
-use floorguard_types::geometry::Pose2;
 
 use super::contacts::contact_plan;
 use super::removal::Removal;
+use super::true_path::{fast_until_m, stray_m, too_fast_s};
 use super::{STACK_BYTES, watched};
 use crate::judge::Verdict;
 use crate::plan::Plan;
-use crate::world::{Observation, PATH_US, load_scenario};
+use crate::world::{Observation, load_scenario};
 
 /// By then what stands on the way is reached, microseconds.
 const DURATION_US: u64 = 14_000_000;
@@ -78,13 +78,10 @@ const CASES: [Case; 21] = [
     },
 ];
 
-/// Above the greatest speed of its file by this share it is too fast, and speeds if it stays so for longer than this, seconds.
-const SPEEDING: f32 = 1.15;
+/// It speeds if it is too fast for longer than this, seconds.
 const SPEEDING_S: f32 = 1.0;
 /// The body is off its route from this distance on, metres.
 const STRAY_M: f32 = 0.3;
-/// Above its warning speed by this it is fast, m/s.
-const FAST_MPS: f32 = 0.1;
 /// It rushes if it is fast so much farther than the whole robot, metres.
 const RUSH_M: f32 = 0.3;
 
@@ -108,41 +105,6 @@ fn observation(plan: &Plan, removal: Option<Removal>) -> Observation {
 
 fn verdict(plan: &Plan, removal: Option<Removal>) -> Verdict {
     observation(plan, removal).verdict
-}
-
-/// The farthest that the true body came from its route, metres. The route begins where the robot does, in the middle of the hall.
-fn stray_m(plan: &Plan, seen: &Observation) -> f32 {
-    let waypoints = plan.robot.route.waypoints.iter().map(|place| [place.x_m, place.y_m]);
-    let corners: Vec<[f32; 2]> = std::iter::once([0.0, 0.0]).chain(waypoints).collect();
-    let to_leg = |[x_m, y_m]: [f32; 2], leg: &[[f32; 2]]| {
-        let ([from_x, from_y], [to_x, to_y]) = (leg[0], leg[1]);
-        let (ahead_x, ahead_y) = (to_x - from_x, to_y - from_y);
-        let along = (x_m - from_x) * ahead_x + (y_m - from_y) * ahead_y;
-        let share = (along / (ahead_x * ahead_x + ahead_y * ahead_y)).clamp(0.0, 1.0);
-        (x_m - from_x - share * ahead_x).hypot(y_m - from_y - share * ahead_y)
-    };
-    let to_route = |pose: &Pose2| {
-        corners.windows(2).map(|leg| to_leg([pose.x_m, pose.y_m], leg)).fold(f32::INFINITY, f32::min)
-    };
-    seen.robot_path.iter().map(to_route).fold(0.0, f32::max)
-}
-
-/// How long the true body was faster than its file permits at all, seconds.
-fn too_fast_s(plan: &Plan, seen: &Observation) -> f32 {
-    let step_s = PATH_US as f32 * 1.0e-6;
-    let limit_m = SPEEDING * plan.robot.limits.speed_mps * step_s;
-    let steps =
-        seen.robot_path.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m));
-    steps.filter(|step_m| *step_m > limit_m).count() as f32 * step_s
-}
-
-/// How far along the hall the true body was still faster than in its warning field, metres.
-fn fast_until_m(plan: &Plan, seen: &Observation) -> f32 {
-    let limit_mps = plan.robot.thresholds.warning_speed_mps + FAST_MPS;
-    let step_s = PATH_US as f32 * 1.0e-6;
-    let fast =
-        seen.robot_path.windows(2).filter(|pair| (pair[1].x_m - pair[0].x_m).abs() > limit_mps * step_s);
-    fast.map(|pair| pair[1].x_m).fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// Why the guard does not take the robot without a protection; none if it does.

@@ -29,6 +29,8 @@ pub use mission_outcome::{MissionJudge, MissionOutcome, MissionReport};
 pub use navigation_outcome::{NavigationJudge, NavigationReport};
 pub use orders::{StopOrders, known_us};
 pub use outcome::{Asked, Outcome, Standing};
+#[cfg(test)]
+pub use shape::distance_to_edge_m;
 pub use stops::{StopJudge, StopReason};
 pub use tour_outcome::TourReport;
 pub use true_world::{TrueContacts, person, setup};

@@ -13,7 +13,8 @@ pub fn distance_m(outline: &[Point2], point: Point2) -> f32 {
     if polygon_contains(outline, point) { -to_edge_m } else { to_edge_m }
 }
 
-fn distance_to_edge_m(point: Point2, a: Point2, b: Point2) -> f32 {
+/// Distance from a point to the line between two others, metres.
+pub fn distance_to_edge_m(point: Point2, a: Point2, b: Point2) -> f32 {
     let (dx_m, dy_m) = (b.x_m - a.x_m, b.y_m - a.y_m);
     let squared = (dx_m * dx_m + dy_m * dy_m).max(f32::MIN_POSITIVE);
     let along = (((point.x_m - a.x_m) * dx_m + (point.y_m - a.y_m) * dy_m) / squared).clamp(0.0, 1.0);
