@@ -1,6 +1,6 @@
 //! What this machine lacks, and how Debian calls it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Result;
@@ -14,7 +14,7 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 pub fn has_target(target: &str) -> bool {
     let mut query = Command::new("rustc");
     query.current_dir(shell::root()).args(["--print", "target-libdir", "--target", target]);
-    shell::output(&mut query).is_some_and(|path| std::path::Path::new(path.trim()).is_dir())
+    shell::output(&mut query).is_some_and(|path| Path::new(path.trim()).is_dir())
 }
 
 /// Lets rustup add a target. False if that did not work.
@@ -38,6 +38,19 @@ pub fn has_emulator() -> bool {
 /// Lets apt install the emulator, which needs root. False if that did not work.
 pub fn add_emulator() -> Result<bool> {
     Ok(install(&[EMULATOR])? && has_emulator())
+}
+
+/// The broker that fleets are tested with.
+pub const BROKER: &str = "mosquitto";
+
+/// The broker is there: Debian puts it where a shell of an ordinary user does not look.
+pub fn has_broker() -> bool {
+    Path::new("/usr/sbin").join(BROKER).exists()
+}
+
+/// Lets apt install the broker, which needs root. False if that did not work.
+pub fn add_broker() -> Result<bool> {
+    Ok(install(&[BROKER])? && has_broker())
 }
 
 /// What `cargo xtask vcan` needs: a Linux that runs as a process, and what its file system is made with.
@@ -67,7 +80,8 @@ fn install(packages: &[&str]) -> Result<bool> {
     let mut refresh = Command::new("apt-get");
     refresh.args(["update", "--quiet"]);
     let mut install = Command::new("apt-get");
-    install.env("DEBIAN_FRONTEND", "noninteractive");
+    // No service is to start: tests start their own.
+    install.env("DEBIAN_FRONTEND", "noninteractive").env("RUNLEVEL", "1");
     install.args(["install", "--yes", "--quiet", "--no-install-recommends"]).args(packages);
     // Old package lists may do: what counts is whether the programs are there in the end.
     let _ = shell::succeeds(&mut refresh)?;

@@ -14,6 +14,7 @@ pub fn run() -> Result<bool> {
     println!("setup: compiler target {TARGET} is there");
     need_emulator()?;
     println!("setup: the emulator of the Cortex-M7 board is there");
+    println!("setup: {}", broker());
     Ok(true)
 }
 
@@ -43,4 +44,14 @@ pub fn need_emulator() -> Result<()> {
         "the emulator is missing and could not be installed; please run as root: apt-get install --no-install-recommends qemu-system-arm"
     );
     Ok(())
+}
+
+/// Sees to it, if it can, that fleets are tested with a broker that others wrote; what came of it.
+fn broker() -> &'static str {
+    // Whatever prevents it: the tests say that they are skipped.
+    if machine::has_broker() || machine::add_broker().unwrap_or(false) {
+        "the broker of fleets is there"
+    } else {
+        "no broker: tests of fleets with Mosquitto are skipped; to run them, as root: apt-get install --no-install-recommends mosquitto"
+    }
 }

@@ -226,6 +226,45 @@ fn broker_that_forgets_loses_no_state() {
     }
 }
 
+/// What is ordered while a vehicle is switched off waits for it at the broker.
+#[test]
+fn order_waits_for_an_absent_vehicle() {
+    for mqtt in [MqttVersion::V3, MqttVersion::V5] {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(broker) = Broker::start(folder.path()) else { return };
+        let master = Master::join(broker.port);
+        let mut robot = Robot::new((&broker, mqtt), folder.path());
+        master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+        drop(robot.link.take());
+        master.until(&mut robot, "connection", |value| value["connectionState"] == "OFFLINE");
+        master.send("order", &order("w", 0, (0, 2, 0)));
+        // The broker has the order before the vehicle is back.
+        thread::sleep(Duration::from_millis(300));
+        let mut robot = Robot::new((&broker, mqtt), folder.path());
+        master.until(&mut robot, "state", |state| state["lastNodeId"] == "n1");
+        assert_eq!(robot.places.last(), Some(&1.0), "{mqtt:?}");
+    }
+}
+
+/// A vehicle whose connection breaks says no farewell: the broker publishes its last will. Here it breaks because another client takes
+/// the vehicle's name.
+#[test]
+fn vanished_vehicle_is_announced_by_its_will() {
+    for mqtt in [MqttVersion::V3, MqttVersion::V5] {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(broker) = Broker::start(folder.path()) else { return };
+        let master = Master::join(broker.port);
+        let mut robot = Robot::new((&broker, mqtt), folder.path());
+        master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+        let (client, mut connection) =
+            Client::new(MqttOptions::new("floorguard-7", "127.0.0.1", broker.port), 8);
+        let taken = connection.iter().take(5).flatten();
+        assert!(taken.into_iter().any(|event| matches!(event, Event::Incoming(Incoming::ConnAck(_)))));
+        master.until(&mut robot, "connection", |value| value["connectionState"] == "CONNECTIONBROKEN");
+        client.disconnect().unwrap();
+    }
+}
+
 fn order_survives(mqtt: MqttVersion) {
     let folder = tempfile::tempdir().unwrap();
     let Some(mut broker) = Broker::start(folder.path()) else { return };
