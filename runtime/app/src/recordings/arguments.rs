@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 /// What to decode.
 #[derive(Clone, Debug, Args)]
 pub struct DecodeArguments {
-    /// The capture: .pcap, .pcapng, either of them .gz; or the bytes of an MTi's line.
+    /// The capture: .pcap, .pcapng, either of them .gz; or the bytes of an inertial sensor's line.
     pub file: PathBuf,
     /// Which lidar made it.
     #[arg(long, default_value = "auto")]

@@ -19,7 +19,7 @@ const SNIFF_BYTES: u64 = 65_536;
 pub struct InspectArguments {
     /// A recording or bag (.mcap), a capture (.pcap, .pcapng), a laser log, tracks (.csv, .txt,
     /// .ndjson), a point cloud (.ply, .pcd), a candump, or the bytes
-    /// of an MTi's or S300's line; packed or not.
+    /// of an MTi's, VectorNav's or S300's line; packed or not.
     pub file: PathBuf,
     /// One object on standard output instead of the page.
     #[arg(long)]
@@ -75,6 +75,6 @@ pub fn page(file: &Path, begins: &[u8]) -> anyhow::Result<Page> {
         return Ok(page);
     }
     let known = "recordings and bags (MCAP), captures (pcap), laser logs (CARMEN), tracks (ETH, UCY, L-CAS, HERMES, tables with a heading, JSON), \
-                 point clouds (PLY, PCD), candump, and the bytes of an MTi or S300";
+                 point clouds (PLY, PCD), candump, and the bytes of an MTi, VectorNav or S300";
     Err(BadInput(format!("{}: nothing that we know; known are {known}", file.display())).into())
 }
