@@ -295,12 +295,12 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
     Some(ended)
 }
 
-/// Every start in every map, with its number; each map on a core of its own.
-fn on_all_cores(maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
-    let next = AtomicU64::new(0);
+/// Every start in every map from a first one on, with its number; each map on a core of its own.
+fn on_all_cores(first: u64, maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
+    let next = AtomicU64::new(first);
     let work = || {
         let mut ended = Vec::new();
-        while let Some(map) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|map| *map < maps) {
+        while let Some(map) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|map| *map < first + maps) {
             let building = Building::random(&mut Random::new(map + 1));
             for start in 0..starts {
                 let mut random = Random::new(1_000 * (map + 1) + start + 1);
@@ -318,13 +318,15 @@ fn on_all_cores(maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
     all
 }
 
-/// `FLOORGUARD_LOCALISATION=20x100` runs the whole campaign and prints it; without it a single drive is run.
+/// `FLOORGUARD_LOCALISATION=20x100` runs the whole campaign and prints it, `20x100@20` with the next twenty maps; without it a single
+/// drive is run.
 #[test]
 fn places_are_found_in_changed_buildings() {
     let order = std::env::var("FLOORGUARD_LOCALISATION").unwrap_or_else(|_| "1x1".to_owned());
+    let (order, first) = order.split_once('@').unwrap_or((&order, "0"));
     let (maps, starts) =
         order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((1, 1));
-    let ended = on_all_cores(maps, starts);
+    let ended = on_all_cores(first.parse().unwrap_or(0), maps, starts);
     let count = |holds: &dyn Fn(&Ended) -> bool| ended.iter().filter(|(_, one)| holds(one)).count() as u32;
     let (all, wrong) = (ended.len() as u32, count(&|one| one.wrong));
     let (found, soon) = (

@@ -31,16 +31,20 @@ pub struct LocaliseConfig {
     pub query_points: usize,
     /// Mean value of the returns at a place that counts, 0 to 1.
     pub score_least: f32,
-    /// A place needs this much support of the scans, at most 1: returns on walls for it, beams through walls against it...
+    /// A place needs this much support of the scans, at most 1: returns on walls for it, beams through walls against it.
     pub support_least: f64,
-    /// ... and so much more than the second best place,
+    /// A place in another map fits nearly as well if its support is less by no more than this.
     pub support_margin: f64,
-    /// or so much divided by the metres that the scans of a search cover, if that is more.
-    pub margin_metres: f64,
-    /// A lead that holds scan after scan may be as small as this...
-    pub steady_margin: f64,
-    /// ... if it is so many of its standard deviations.
-    pub sigmas: f64,
+    /// A place leads if it has so much more support than every other one...
+    pub lead_least: f64,
+    /// ... or so much divided by the metres that the scans of a search cover, if that is more.
+    pub lead_metres: f64,
+    /// What all counts in the advantage of a place over another that moved furniture can explain; beams through walls count in full.
+    pub clutter_share: f64,
+    /// A place is certain once its advantage over every other one comes to so much over the path, metres...
+    pub certainty_m: f64,
+    /// ... of which a share is forgotten over this path, metres: a small lead counts for nothing however long it lasts.
+    pub forget_m: f64,
     /// Share of beams, at most, that went through a wall of the map.
     pub through_most: f64,
     /// Two searches agree within this distance, metres, and turn, radians.
@@ -51,6 +55,11 @@ pub struct LocaliseConfig {
     pub lost_below: f64,
     /// Scans over which that mean runs; the place is given up by half of them.
     pub memory: usize,
+    /// A scan that lies so far from where the tracking expects it, metres and radians, and fits there too, lies on something that was moved:
+    /// the tracking is believed.
+    pub leap: (f64, f64),
+    /// Share of what a scan lies away by which the place of the tracking in the map is corrected.
+    pub correction_share: f64,
     /// Share of the curvature of a match that its weakest direction must have to hold the place along it.
     pub held_share: f32,
     /// Growth of the deviation along a way that the walls do not hold, metres a metre, and the least deviation, metres.
@@ -84,16 +93,20 @@ impl Default for LocaliseConfig {
             query_path_m: 14.0,
             query_points: 250,
             score_least: 0.4,
-            support_least: 0.25,
+            support_least: 0.3,
             support_margin: 0.06,
-            margin_metres: 0.3,
-            steady_margin: 0.03,
-            sigmas: 3.0,
-            through_most: 0.15,
+            lead_least: 0.03,
+            lead_metres: 0.3,
+            clutter_share: 0.4,
+            certainty_m: 0.1,
+            forget_m: 6.0,
+            through_most: 0.035,
             agree: (0.4, 0.15),
             doubt_below: 0.15,
             lost_below: 0.0,
             memory: 8,
+            leap: (0.2, 0.08),
+            correction_share: 0.25,
             held_share: 0.03,
             unheld_growth: 0.05,
             deviation_least_m: 0.05,

@@ -5,6 +5,7 @@ use floorguard_mapping::{GridGeometry, GridSides, Occupancy};
 use floorguard_types::geometry::Point2;
 
 use super::config::LocaliseConfig;
+use super::permanence::{is_face, permanence};
 use crate::grid_map::GridMap;
 use crate::se2::Se2;
 
@@ -17,13 +18,13 @@ const STEPS_MOST: f64 = 4_000.0;
 
 /// What became of a beam in a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum BeamFate {
-    /// It ended near a wall: value of the field there.
-    Wall(f32),
-    /// It ended where the map knows no wall.
-    Short,
-    /// It went through a wall.
-    Through,
+pub(super) struct BeamFate {
+    /// It went through something that the map shows.
+    pub has_crossed: bool,
+    /// How surely that stays where it is: 0 furniture, 1 a long wall.
+    pub permanence: f32,
+    /// Value of the field where it ended; 0 if the map knows nothing there.
+    pub end: f32,
 }
 
 /// A map and the field of its walls.
@@ -31,6 +32,8 @@ pub struct KnownMap {
     map: GridMap,
     geometry: GridGeometry,
     levels: Vec<Vec<u8>>,
+    /// How surely each cell of the map stays occupied.
+    permanence: Vec<u8>,
 }
 
 impl KnownMap {
@@ -59,7 +62,8 @@ impl KnownMap {
             coarsen(FieldLevel { geometry, values: &levels[usize::from(shift)], shift }, &mut coarser);
             levels.push(coarser);
         }
-        (walls > 0).then_some(Self { map, geometry, levels })
+        let permanence = permanence(&map);
+        (walls > 0).then_some(Self { map, geometry, levels, permanence })
     }
 
     /// The map.
@@ -110,19 +114,24 @@ impl KnownMap {
         let length_m = pose.distance(Se2::new(x_m, y_m, 0.0));
         let steps = (length_m / self.map.cell_m).floor();
         let step = self.map.cell_m / length_m.max(self.map.cell_m);
-        let mut has_crossed = false;
+        // The most permanent cell of what the beam is in, and of what it has left behind.
+        let (mut inside, mut crossed) = (None, None);
         for at in 1..=steps.min(STEPS_MOST) as u32 {
             let share = f64::from(at) * step;
             let place = [pose.x_m + share * (x_m - pose.x_m), pose.y_m + share * (y_m - pose.y_m)];
             let [column, row] = self.map.cell_of(place);
             if self.map.at(column, row) == Occupancy::Occupied {
-                has_crossed = true;
-            } else if has_crossed && self.value(place) == 0 {
-                return BeamFate::Through;
+                inside = inside.max(Some(self.permanence[row as usize * self.map.columns + column as usize]));
+            } else if inside.is_some() && self.value(place) == 0 {
+                crossed = crossed.max(inside.take());
             }
         }
-        let end = self.value([x_m, y_m]);
-        if end >= NEAR_LEAST { BeamFate::Wall(f32::from(end) / 255.0) } else { BeamFate::Short }
+        let value = self.value([x_m, y_m]);
+        BeamFate {
+            has_crossed: crossed.is_some(),
+            permanence: f32::from(crossed.unwrap_or(0)) / 255.0,
+            end: if value >= NEAR_LEAST { f32::from(value) / 255.0 } else { 0.0 },
+        }
     }
 
     /// Value of the field at a place, 0 beyond it.
@@ -133,12 +142,4 @@ impl KnownMap {
         let level = FieldLevel { geometry: self.geometry, values: &self.levels[0], shift: 0 };
         level.at(cell(place[0], origin.x_m), cell(place[1], origin.y_m))
     }
-}
-
-/// An occupied cell that a beam can reach: the inside of thick walls explains nothing.
-fn is_face(map: &GridMap, index: usize) -> bool {
-    let (column, row) = ((index % map.columns) as i64, (index / map.columns) as i64);
-    let around = [(-1, 0), (1, 0), (0, -1), (0, 1)];
-    map.at(column, row) == Occupancy::Occupied
-        && around.iter().any(|(x, y)| map.at(column + x, row + y) != Occupancy::Occupied)
 }

@@ -6,6 +6,7 @@ use floorguard_localisation::scan_matching::{Guess, Refined, refine};
 use floorguard_types::geometry::Point2;
 use nalgebra::{Matrix3, Vector3};
 
+use super::certainty::Certainty;
 use super::config::LocaliseConfig;
 use super::freshness::{Freshness, ScanAge};
 use super::known_map::KnownMap;
@@ -68,14 +69,6 @@ pub struct LocaliserStatistics {
     pub frozen: usize,
 }
 
-/// A place on which the last searches agree.
-#[derive(Clone, Copy)]
-struct Hypothesis {
-    /// Path at the first of them, metres.
-    since_m: f64,
-    tracking_in_map: Se2,
-}
-
 /// The followed place: the frame of the tracking in the map.
 struct Followed {
     tracking_in_map: Se2,
@@ -100,7 +93,7 @@ pub struct Localiser {
     tracker: Tracker,
     searcher: Searcher,
     followed: Option<Followed>,
-    hypothesis: Option<Hypothesis>,
+    hypothesis: Option<Certainty>,
     /// Path since the place was lost, and at the last search.
     path_m: f64,
     searched_m: Option<f64>,
@@ -241,17 +234,30 @@ impl Localiser {
         let information = Matrix3::from_diagonal(&Vector3::new(100.0, 100.0, 2_500.0));
         let guess = Guess { start: expected.single(), expected: expected.single(), information };
         let refined = refine(&self.map.levels()[0], points, &guess, &self.config.descent);
-        let pose = Se2::from(refined.pose);
+        let matched = Se2::from(refined.pose);
+        let away = expected.between(matched);
+        let (leap_m, leap_rad) = self.config.leap;
+        let is_leap = away.length_m() > leap_m || away.heading_rad.abs() > leap_rad;
+        let support_at = |pose: Se2| {
+            let mut support = Support::default();
+            support.add(&self.map, (pose, points), CHECKED_BEAMS);
+            support.followed()
+        };
+        // Where the scan fits as the tracking expects it, a leap is something that was moved.
+        let unmoved = is_leap.then(|| support_at(expected)).filter(|value| *value >= self.config.doubt_below);
+        let (pose, support, share) = match unmoved {
+            Some(support) => (expected, support, 0.0),
+            None => (matched, support_at(matched), if is_leap { 1.0 } else { self.config.correction_share }),
+        };
         let score = if points.is_empty() { 0.0 } else { refined.score };
-        let mut support = Support::default();
-        support.add(&self.map, (pose, points), CHECKED_BEAMS);
-        followed.supports.push_back(support.value());
+        followed.supports.push_back(support);
         while followed.supports.len() > self.config.memory {
             followed.supports.pop_front();
         }
-        let is_good = support.value() >= self.config.doubt_below;
+        let is_good = unmoved.is_none() && support >= self.config.doubt_below;
         if is_good {
-            followed.tracking_in_map = pose.compose(scanner_in_tracking.inverse());
+            let part = Se2::new(share * away.x_m, share * away.y_m, share * away.heading_rad);
+            followed.tracking_in_map = expected.compose(part).compose(scanner_in_tracking.inverse());
         }
         followed.unheld_m += followed.checked_at.distance(scanner_in_tracking);
         followed.checked_at = scanner_in_tracking;
@@ -289,34 +295,41 @@ impl Localiser {
         self.statistics.searches += 1;
         let answer = self.searcher.search(&self.map, nodes, &query, &self.config);
         self.best_support = self.searcher.best_support();
-        let SearchAnswer::Alone(tracking_in_map) = answer else {
-            let statistics = &mut self.statistics;
-            let count = match answer {
-                SearchAnswer::Nowhere => &mut statistics.nowhere,
-                SearchAnswer::Contradicted => &mut statistics.contradicted,
-                SearchAnswer::Ambiguous | SearchAnswer::Alone(_) => &mut statistics.ambiguous,
-            };
-            *count += 1;
-            self.hypothesis = None;
-            self.next_path_m = (self.next_path_m * self.config.patience).min(self.config.next_path_most_m);
-            return;
+        let lead = match answer {
+            SearchAnswer::Lead(lead) => lead,
+            SearchAnswer::Nowhere => return self.search_failed(|statistics| &mut statistics.nowhere),
+            SearchAnswer::Contradicted => {
+                return self.search_failed(|statistics| &mut statistics.contradicted);
+            }
         };
+        let last = nodes.last().map(|node| node.pose).unwrap_or_default();
+        let hypothesis = Certainty::after(self.hypothesis, lead, (last, self.path_m), &self.config);
+        self.hypothesis = Some(hypothesis);
+        let is_clear =
+            lead.margin >= self.config.lead_least.max(self.config.lead_metres / query.path_m.max(1.0));
+        if !is_clear {
+            self.statistics.ambiguous += 1;
+            self.be_patient();
+            return;
+        }
         self.next_path_m = self.config.next_path_m;
-        let (distance_m, turn_rad) = self.config.agree;
-        let agreeing = self.hypothesis.filter(|before| {
-            let last = nodes.last().map(|node| node.pose).unwrap_or_default();
-            let away = before.tracking_in_map.compose(last).between(tracking_in_map.compose(last));
-            away.length_m() <= distance_m && away.heading_rad.abs() <= turn_rad
-        });
-        let since_m = agreeing.map_or(self.path_m, |before| before.since_m);
-        self.hypothesis = Some(Hypothesis { since_m, tracking_in_map });
-        if self.path_m - since_m >= self.config.confirm_path_m {
-            self.followed =
-                Some(Followed::new(tracking_in_map, nodes.last().map(|node| node.pose).unwrap_or_default()));
+        if hypothesis.is_enough(&self.config) {
+            self.followed = Some(Followed::new(lead.tracking_in_map, last));
             self.hypothesis = None;
             self.searcher = Searcher::default();
             self.statistics.found += 1;
         }
+    }
+
+    fn search_failed(&mut self, count: impl Fn(&mut LocaliserStatistics) -> &mut usize) {
+        *count(&mut self.statistics) += 1;
+        self.hypothesis = None;
+        self.be_patient();
+    }
+
+    /// The next search waits longer.
+    fn be_patient(&mut self) {
+        self.next_path_m = (self.next_path_m * self.config.patience).min(self.config.next_path_most_m);
     }
 }
 

@@ -4,11 +4,13 @@
 //! the whole map are kept from search to search and judged by returns on walls and by beams through walls. A place counts once
 //! it beats every other one and the searches of a metre agree.
 
+mod certainty;
 mod choice;
 mod config;
 mod freshness;
 mod known_map;
 mod localiser;
+mod permanence;
 mod places;
 mod query;
 mod searching;

@@ -11,15 +11,24 @@ use super::support::Support;
 use crate::front_end::Node;
 use crate::se2::Se2;
 
+/// A place that stands before all others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lead {
+    /// The frame of the tracking in the map.
+    pub tracking_in_map: Se2,
+    /// Support that it has more than any other place.
+    pub margin: f64,
+    /// The same, where what new furniture can explain counts a part only.
+    pub advantage: f64,
+}
+
 /// What a search says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SearchAnswer {
-    /// One place, and no other that is nearly as good: the frame of the tracking in the map.
-    Alone(Se2),
+    /// One place fits better than every other.
+    Lead(Lead),
     /// No place fits.
     Nowhere,
-    /// Another place fits nearly as well.
-    Ambiguous,
     /// Beams went through walls there.
     Contradicted,
 }
@@ -32,38 +41,27 @@ const ANOTHER: (f64, f64) = (0.8, 0.3);
 /// Scans, and beams of each, that are asked about a place.
 const ASKED_SCANS: usize = 24;
 const ASKED_BEAMS: usize = 60;
+/// The newest of them, which must fit by themselves.
+const NEWEST_SCANS: usize = 2;
 
 /// A place that is possible.
 #[derive(Clone, Debug)]
 struct Hypothesis {
     tracking_in_map: Se2,
-    support: f64,
-    through_share: f64,
-    /// Support of each scan that was asked: the same scans for all places.
-    of_scans: Vec<f64>,
+    support: Support,
+    /// Support of the newest scans alone.
+    newest: f64,
 }
 
 impl Hypothesis {
-    /// Whether another place is clearly worse: by far on the whole, or by less but scan after scan. The scans of a metre see
-    /// much the same and count once.
-    fn beats(&self, other: &Self, path_m: f64, config: &LocaliseConfig) -> bool {
-        let gap = self.support - other.support;
-        if gap >= config.support_margin.max(config.margin_metres / path_m.max(1.0)) {
-            return true;
-        }
-        let gaps = self.of_scans.iter().zip(&other.of_scans).map(|(here, there)| here - there);
-        let count = self.of_scans.len().min(other.of_scans.len()).max(2) as f64;
-        let mean = gaps.clone().sum::<f64>() / count;
-        let variance = gaps.map(|gap| (gap - mean) * (gap - mean)).sum::<f64>() / (count - 1.0);
-        let independent = (path_m / INDEPENDENT_M).min(count);
-        let deviation = (variance / independent.max(1.0)).sqrt().max(1.0e-6);
-        independent >= INDEPENDENT_LEAST && gap >= config.steady_margin && mean >= config.sigmas * deviation
+    /// By how much this place is better than another if furniture may have changed: beams of the other one through walls count in full, all
+    /// else in part.
+    fn advantage(&self, other: &Self, config: &LocaliseConfig) -> f64 {
+        let contradicted = (other.support.contradiction() - self.support.contradiction()).max(0.0);
+        let rest = self.support.value() - other.support.value() - contradicted;
+        contradicted + config.clutter_share * rest
     }
 }
-
-/// Path over which scans see much the same, metres, and how many such pieces a comparison scan by scan needs.
-const INDEPENDENT_M: f64 = 1.0;
-const INDEPENDENT_LEAST: f64 = 3.0;
 
 /// The possible places.
 #[derive(Default)]
@@ -94,28 +92,21 @@ impl Searcher {
             }
         }
         let judged = poses.into_iter().map(|pose| {
-            let of_scans = support_of(map, nodes, query, pose);
-            let mut whole = Support::default();
-            of_scans.iter().for_each(|scan| whole.join(scan));
-            Hypothesis {
-                tracking_in_map: pose.compose(last.pose.inverse()),
-                support: whole.value(),
-                through_share: whole.through_share(),
-                of_scans: of_scans.iter().map(Support::value).collect(),
-            }
+            let (support, newest) = support_of(map, nodes, query, pose);
+            Hypothesis { tracking_in_map: pose.compose(last.pose.inverse()), support, newest }
         });
         self.hypotheses = judged.collect();
-        self.hypotheses.sort_by(|a, b| b.support.total_cmp(&a.support));
+        self.hypotheses.sort_by(|a, b| b.support.value().total_cmp(&a.support.value()));
         self.hypotheses.truncate(KEPT);
-        self.answer(last.pose, query.path_m, config)
+        self.answer(last.pose, config)
     }
 
-    fn answer(&self, last: Se2, path_m: f64, config: &LocaliseConfig) -> SearchAnswer {
+    fn answer(&self, last: Se2, config: &LocaliseConfig) -> SearchAnswer {
         let Some(best) = self.hypotheses.first() else { return SearchAnswer::Nowhere };
-        if best.support < config.support_least {
+        if best.support.value() < config.support_least {
             return SearchAnswer::Nowhere;
         }
-        if best.through_share > config.through_most {
+        if best.support.through_share() > config.through_most || best.newest < config.doubt_below {
             return SearchAnswer::Contradicted;
         }
         let place = |hypothesis: &Hypothesis| hypothesis.tracking_in_map.compose(last);
@@ -123,15 +114,17 @@ impl Searcher {
             let away = place(best).between(place(other));
             away.length_m() > ANOTHER.0 || away.heading_rad.abs() > ANOTHER.1
         };
-        if self.hypotheses.iter().filter(is_other).any(|other| !best.beats(other, path_m, config)) {
-            return SearchAnswer::Ambiguous;
+        let (mut margin, mut advantage) = (f64::INFINITY, f64::INFINITY);
+        for other in self.hypotheses.iter().filter(is_other) {
+            margin = margin.min(best.support.value() - other.support.value());
+            advantage = advantage.min(best.advantage(other, config));
         }
-        SearchAnswer::Alone(best.tracking_in_map)
+        SearchAnswer::Lead(Lead { tracking_in_map: best.tracking_in_map, margin, advantage })
     }
 
     /// Support of the best place.
     pub fn best_support(&self) -> f64 {
-        self.hypotheses.first().map_or(f64::NEG_INFINITY, |best| best.support)
+        self.hypotheses.first().map_or(f64::NEG_INFINITY, |best| best.support.value())
     }
 }
 
@@ -141,16 +134,18 @@ fn refined(map: &KnownMap, query: &Query, pose: Se2, config: &LocaliseConfig) ->
     refine(&map.levels()[0], &query.points, &guess, &config.descent).pose.into()
 }
 
-/// What each of the scans of a query says, with the last one at `pose`.
-fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> Vec<Support> {
-    let Some(last) = nodes.last() else { return Vec::new() };
+/// What the scans of a query say, with the last one at `pose`, and what the newest of them say alone.
+fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> (Support, f64) {
+    let (mut whole, mut newest) = (Support::default(), 0.0);
+    let Some(last) = nodes.last() else { return (whole, newest) };
     let scans = &nodes[query.first..];
     let asked = scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1));
-    let support = |node: &Node| {
-        let mut support = Support::default();
+    for (index, node) in asked.enumerate() {
         let place = pose.compose(last.pose.between(node.pose));
-        support.add(map, (place, &node.points), ASKED_BEAMS);
-        support
-    };
-    asked.map(support).collect()
+        whole.add(map, (place, &node.points), ASKED_BEAMS);
+        if index < NEWEST_SCANS {
+            newest = whole.value();
+        }
+    }
+    (whole, newest)
 }
