@@ -295,17 +295,19 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
     Some(ended)
 }
 
+/// A start in a map.
+fn one(map: u64, start: u64) -> Option<Ended> {
+    let building = Building::random(&mut Random::new(map + 1));
+    located(&building, &mut Random::new(1_000 * (map + 1) + start + 1))
+}
+
 /// Every start in every map from a first one on, with its number; each map on a core of its own.
 fn on_all_cores(first: u64, maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
     let next = AtomicU64::new(first);
     let work = || {
         let mut ended = Vec::new();
         while let Some(map) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|map| *map < first + maps) {
-            let building = Building::random(&mut Random::new(map + 1));
-            for start in 0..starts {
-                let mut random = Random::new(1_000 * (map + 1) + start + 1);
-                ended.extend(located(&building, &mut random).map(|one| ((map, start), one)));
-            }
+            ended.extend((0..starts).filter_map(|start| Some(((map, start), one(map, start)?))));
         }
         ended
     };
@@ -343,4 +345,17 @@ fn places_are_found_in_changed_buildings() {
     );
     assert_eq!(wrong, 0, "of {all}");
     assert!(all > 0 && 2 * found >= all, "{found} of {all}");
+}
+
+/// Drives of the campaign, by map and start: five in which an emptier room was once taken for the right one, and three in which a moved
+/// cupboard was followed.
+const ONCE_WRONG: [(u64, u64); 8] =
+    [(2, 19), (4, 48), (7, 34), (5, 13), (4, 42), (16, 64), (11, 8), (13, 82)];
+
+#[test]
+fn drives_once_wrong_are_right() {
+    for (map, start) in ONCE_WRONG {
+        let ended = one(map, start).expect("a drive");
+        assert!(!ended.wrong && ended.found_s.is_some(), "map {map} start {start}: {ended:?}");
+    }
 }

@@ -19,10 +19,8 @@ const STEPS_MOST: f64 = 4_000.0;
 /// What became of a beam in a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BeamFate {
-    /// It went through something that the map shows.
-    pub has_crossed: bool,
-    /// How surely that stays where it is: 0 furniture, 1 a long wall.
-    pub permanence: f32,
+    /// How surely what it went through stays where it is: 0 furniture, 1 a long wall; `None` where the map shows nothing on its way.
+    pub crossed: Option<f32>,
     /// Value of the field where it ended; 0 if the map knows nothing there.
     pub end: f32,
 }
@@ -115,7 +113,7 @@ impl KnownMap {
         let steps = (length_m / self.map.cell_m).floor();
         let step = self.map.cell_m / length_m.max(self.map.cell_m);
         // The most permanent cell of what the beam is in, and of what it has left behind.
-        let (mut inside, mut crossed) = (None, None);
+        let (mut inside, mut crossed): (Option<u8>, Option<u8>) = (None, None);
         for at in 1..=steps.min(STEPS_MOST) as u32 {
             let share = f64::from(at) * step;
             let place = [pose.x_m + share * (x_m - pose.x_m), pose.y_m + share * (y_m - pose.y_m)];
@@ -128,8 +126,7 @@ impl KnownMap {
         }
         let value = self.value([x_m, y_m]);
         BeamFate {
-            has_crossed: crossed.is_some(),
-            permanence: f32::from(crossed.unwrap_or(0)) / 255.0,
+            crossed: crossed.map(|permanence| f32::from(permanence) / 255.0),
             end: if value >= NEAR_LEAST { f32::from(value) / 255.0 } else { 0.0 },
         }
     }

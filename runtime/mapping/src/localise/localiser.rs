@@ -55,9 +55,9 @@ pub struct LocaliserStatistics {
     pub searches: usize,
     /// No place fitted.
     pub nowhere: usize,
-    /// Several places fitted.
+    /// A place led, but not clearly.
     pub ambiguous: usize,
-    /// Beams went through walls.
+    /// Beams went through walls at the best place, or its newest scans did not fit.
     pub contradicted: usize,
     /// Times that a place was found.
     pub found: usize,
@@ -241,7 +241,7 @@ impl Localiser {
         let support_at = |pose: Se2| {
             let mut support = Support::default();
             support.add(&self.map, (pose, points), CHECKED_BEAMS);
-            support.followed()
+            support.lenient_value()
         };
         // Where the scan fits as the tracking expects it, a leap is something that was moved.
         let unmoved = is_leap.then(|| support_at(expected)).filter(|value| *value >= self.config.doubt_below);

@@ -1,8 +1,8 @@
 //! Where the robot is in a known map, without a hint: found, in doubt, or not known.
 //!
 //! Sources: Olson 2009 (coarse search whose blocks bound their poses); Lu and Milios 1997 for what follows. The best places of
-//! the whole map are kept from search to search and judged by returns on walls and by beams through walls. A place counts once
-//! it beats every other one and the searches of a metre agree.
+//! the whole map are kept from search to search and judged by returns on walls and by beams through walls and furniture. A place counts
+//! once its lead over every other one has come to enough over the path.
 
 mod certainty;
 mod choice;

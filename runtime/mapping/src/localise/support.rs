@@ -1,7 +1,6 @@
 //! What scans say about a place: returns on walls of the map for it, beams through walls against it.
 //!
-//! The weights are those by which the right place stands before all others most often, in 3,300 searches of changed buildings
-//! (book, Mapping: Localisation).
+//! The weights were chosen in changed buildings (book, Mapping: Localisation).
 
 use floorguard_types::geometry::Point2;
 
@@ -40,13 +39,13 @@ impl Support {
         for point in points.iter().step_by(points.len().div_ceil(beams_most.max(1)).max(1)) {
             self.beams += 1;
             let fate = map.fate(pose, *point);
-            if fate.has_crossed {
-                self.through += f64::from(fate.permanence);
-                self.furniture += 1.0 - f64::from(fate.permanence);
+            if let Some(permanence) = fate.crossed {
+                self.through += f64::from(permanence);
+                self.furniture += 1.0 - f64::from(permanence);
             }
             if fate.end > 0.0 {
                 self.near += f64::from(fate.end);
-            } else if !fate.has_crossed {
+            } else if fate.crossed.is_none() {
                 self.short += 1;
             }
         }
@@ -60,7 +59,7 @@ impl Support {
 
     /// The balance of a place that is known and followed, at most 1: a wall that the map shows and that is not there, a door that stands
     /// open, is no reason to leave it.
-    pub fn followed(&self) -> f64 {
+    pub fn lenient_value(&self) -> f64 {
         let against =
             FOLLOWED_THROUGH_COST * (self.through + self.furniture) + FOLLOWED_SHORT_COST * self.short as f64;
         (self.near - against) / self.beams.max(1) as f64
