@@ -330,4 +330,37 @@ mod tests {
         let twist = robot.twist();
         assert!((twist.linear_mps / twist.angular_radps - 2.0).abs() < 1e-3, "{twist:?}");
     }
+
+    /// What a broken device says is not what the body does, whatever carries it.
+    #[test]
+    fn broken_devices_lie_on_every_base() {
+        for train in [Train::FrontWheel, Train::RearAxle, Train::TwoWheels, Train::FourMecanum] {
+            let parameters = RobotParameters { train, ..RobotParameters::default() };
+            let mut robot = RobotBody::new(parameters, Pose2::default());
+            robot.encoder_gains = [0.5, 0.25, 1.0, 1.0];
+            robot.feedback_gain = 0.8;
+            let law = if robot.has_wheel_drives() {
+                BrakeLaw::Wheels([Some(0.5); 4])
+            } else {
+                BrakeLaw::Driven(0.5)
+            };
+            (0..2_000).for_each(|_| robot.step(0.001, law, None));
+            assert!((robot.twist().linear_mps - 0.5).abs() < 1e-4, "{train:?}");
+            let reported = if robot.has_wheel_drives() { robot.rims_mps()[0] } else { robot.front_mps() };
+            assert!((reported - 0.4).abs() < 1e-4, "{train:?}: {reported}");
+            let [left, right] = robot.wheel_speeds();
+            assert!((left - 0.25).abs() < 1e-4 && (right - 0.125).abs() < 1e-4, "{train:?}: {left}, {right}");
+            let travel = robot.pose().x_m;
+            let [left_m, right_m, ..] = robot.rolled_m().map(|metres| metres as f32);
+            let shares = [left_m / travel, right_m / travel];
+            assert!(
+                (shares[0] - 0.5).abs() < 1e-3 && (shares[1] - 0.25).abs() < 1e-3,
+                "{train:?}: {shares:?}"
+            );
+            let [left, right] = robot.counts(0.1);
+            let expected = [left_m + 0.025, right_m + 0.0125].map(|metres| metres * robot.ticks_per_m());
+            let off = (left as f32 - expected[0]).abs().max((right as f32 - expected[1]).abs());
+            assert!(off < 3.0, "{train:?}: {left}, {right} against {expected:?}");
+        }
+    }
 }
