@@ -3,6 +3,8 @@
 //! A failing disk must not stop a robot: the first failure is kept, nothing is written to the file any more, and
 //! [`RunRecorder::finish`] reports it. Listeners go on.
 
+#[cfg(test)]
+mod inertial_tests;
 mod maps;
 
 use std::collections::BTreeMap;
