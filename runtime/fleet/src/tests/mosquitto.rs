@@ -226,15 +226,21 @@ fn broker_that_forgets_loses_no_state() {
     }
 }
 
+/// A broker, a master and a robot whose master knows that it is there; `None` where there is no Mosquitto.
+fn joined(mqtt: MqttVersion, folder: &Path) -> Option<(Broker, Master, Robot)> {
+    let broker = Broker::start(folder)?;
+    let mut robot = Robot::new((&broker, mqtt), folder);
+    let master = Master::join(broker.port);
+    master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+    Some((broker, master, robot))
+}
+
 /// What is ordered while a vehicle is switched off waits for it at the broker.
 #[test]
 fn order_waits_for_an_absent_vehicle() {
     for mqtt in [MqttVersion::V3, MqttVersion::V5] {
         let folder = tempfile::tempdir().unwrap();
-        let Some(broker) = Broker::start(folder.path()) else { return };
-        let master = Master::join(broker.port);
-        let mut robot = Robot::new((&broker, mqtt), folder.path());
-        master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+        let Some((broker, master, mut robot)) = joined(mqtt, folder.path()) else { return };
         drop(robot.link.take());
         master.until(&mut robot, "connection", |value| value["connectionState"] == "OFFLINE");
         master.send("order", &order("w", 0, (0, 2, 0)));
@@ -252,10 +258,7 @@ fn order_waits_for_an_absent_vehicle() {
 fn vanished_vehicle_is_announced_by_its_will() {
     for mqtt in [MqttVersion::V3, MqttVersion::V5] {
         let folder = tempfile::tempdir().unwrap();
-        let Some(broker) = Broker::start(folder.path()) else { return };
-        let master = Master::join(broker.port);
-        let mut robot = Robot::new((&broker, mqtt), folder.path());
-        master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+        let Some((broker, master, mut robot)) = joined(mqtt, folder.path()) else { return };
         let (client, mut connection) =
             Client::new(MqttOptions::new("floorguard-7", "127.0.0.1", broker.port), 8);
         let taken = connection.iter().take(5).flatten();
@@ -267,10 +270,7 @@ fn vanished_vehicle_is_announced_by_its_will() {
 
 fn order_survives(mqtt: MqttVersion) {
     let folder = tempfile::tempdir().unwrap();
-    let Some(mut broker) = Broker::start(folder.path()) else { return };
-    let mut robot = Robot::new((&broker, mqtt), folder.path());
-    let master = Master::join(broker.port);
-    master.until(&mut robot, "connection", |value| value["connectionState"] == "ONLINE");
+    let Some((mut broker, master, mut robot)) = joined(mqtt, folder.path()) else { return };
     master.send("instantActions", &instant("factsheetRequest", "f", json!([])));
     let sheet = master.until(&mut robot, "factsheet", |_| true);
     assert_eq!(sheet["protocolFeatures"]["agvActions"].as_array().unwrap().len(), 8);
