@@ -17,6 +17,7 @@ use floorguard_types::number::truncating_u32;
 pub const PARTS: usize = 16;
 /// Odd, so that multiplying is one-to-one (the 32-bit FNV prime).
 const FACTOR: u32 = 0x0100_0193;
+const LANES: usize = 8;
 
 /// What the constants were when the guard was built.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +79,7 @@ fn sum_of(part: usize, ((scan, rear), packet, rays): Tables<'_>) -> u32 {
     sum.0
 }
 
+#[derive(Clone, Copy)]
 struct Sum(u32);
 
 impl Sum {
@@ -85,12 +87,23 @@ impl Sum {
         self.0 = (self.0 ^ word).wrapping_mul(FACTOR).rotate_left(5);
     }
 
+    /// In [`LANES`] sums side by side, of which none waits for another's multiplication: a changed word changes one of them.
+    fn limits(&mut self, limits_mm: &[u16]) {
+        let mut lanes = [Self(0); LANES];
+        let (groups, rest) = limits_mm.as_chunks::<LANES>();
+        for group in groups {
+            lanes.iter_mut().zip(group).for_each(|(lane, limit_mm)| lane.add(u32::from(*limit_mm)));
+        }
+        rest.iter().for_each(|limit_mm| self.add(u32::from(*limit_mm)));
+        lanes.iter().for_each(|lane| self.add(lane.0));
+    }
+
     fn scan_table(&mut self, part: usize, scan: &ScanTable) {
         for limits in [&scan.protective, &scan.warning] {
             // Two parts for each set.
             let set = limits.iter().skip(part / 2).take(1);
             let half = set.flat_map(|beams| beams.chunks(SCAN_BEAMS_MAX.div_ceil(2)).skip(part % 2).take(1));
-            half.flatten().for_each(|limit_mm| self.add(u32::from(*limit_mm)));
+            half.for_each(|limits_mm| self.limits(limits_mm));
         }
         for directions in scan.directions.chunks(SCAN_BEAMS_MAX.div_ceil(PARTS)).skip(part).take(1) {
             for direction in directions {
