@@ -137,6 +137,13 @@ impl ContactJudge {
         })
     }
 
+    /// Something has come that was not there at the start. It stands from its own moment on.
+    pub fn appear(&mut self, thing: Thing) {
+        self.things.push(StandingThing { placed: thing.solid.placed(), thing });
+        self.detector.things.push(Pair::default());
+        self.detector.things_due_m = 0.0;
+    }
+
     /// Processes the next sample; moments rise. Ten milliseconds apart or less is right for robots and people: in
     /// between the judge goes in steps of 2 mm.
     pub fn observe(&mut self, moment: &Moment<'_>) {

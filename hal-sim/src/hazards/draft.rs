@@ -115,6 +115,7 @@ pub(super) fn piece(kind: FurnitureKind, at_m: [f32; 2]) -> FurnitureFile {
         height_m: 1.0,
         from_m: 0.0,
         material: Material::Matte,
+        appears_s: None,
     }
 }
 

@@ -43,6 +43,23 @@ pub struct FurnitureFile {
     /// Surface of a box or a post.
     #[serde(default)]
     pub material: Material,
+    /// It comes so long after the start, seconds, and is on no map: a trolley that is left, a door that shuts. It waits until neither
+    /// the robot nor a person is in its way. None: it stands there, and on the map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub appears_s: Option<f32>,
+}
+
+impl FurnitureFile {
+    /// From its middle to its farthest corner, metres; of some kinds more.
+    #[must_use]
+    pub fn reach_m(&self) -> f32 {
+        match self.kind {
+            // A basket of 0.9 m; a drive unit behind the tines.
+            FurnitureKind::Trolley => 0.55,
+            FurnitureKind::Forks => self.size_m[0] + 0.5,
+            _ => 0.5 * libm::hypotf(self.size_m[0], self.size_m[1]),
+        }
+    }
 }
 
 /// Kinds of furniture.
@@ -136,30 +153,22 @@ fn unit_size() -> [f32; 2] {
 }
 
 impl SceneFile {
-    /// Builds the scene.
+    /// Builds the scene as it is on the map: without what comes later.
     #[must_use]
     pub fn build(&self) -> Scene {
+        self.build_with(&[])
+    }
+
+    /// Builds the scene with those of its furniture that have come since the start, by their indices, the last ones last.
+    #[must_use]
+    pub fn build_with(&self, came: &[usize]) -> Scene {
         let mut builder = SceneBuilder::default();
         for (wall, number) in self.wall.iter().zip(1..) {
             builder.named(format!("wall {number}"));
             builder.wall(wall.from_m, wall.to_m, wall.height_m, wall.material);
         }
-        for (piece, number) in self.furniture.iter().zip(1..) {
-            builder.named(format!("{} {number}", piece.kind.name()));
-            let heights = (piece.from_m, piece.height_m);
-            let place = (piece.at_m[0], piece.at_m[1], piece.yaw_deg.to_radians());
-            let size = (piece.size_m[0], piece.size_m[1]);
-            match piece.kind {
-                FurnitureKind::Box => builder.cuboid(place, size, heights, piece.material),
-                FurnitureKind::Shelf => builder.shelf(place, size, piece.height_m),
-                FurnitureKind::Table => builder.table(place, size, piece.height_m),
-                FurnitureKind::Trolley => builder.trolley(place),
-                FurnitureKind::Ramp => builder.ramp(place, size, piece.height_m),
-                FurnitureKind::Post => {
-                    builder.post((place.0, place.1), size.0 / 2.0, heights, piece.material);
-                }
-                FurnitureKind::Forks => builder.forks(place, size.0, heights),
-            }
+        for (piece, number) in self.furniture.iter().zip(1..).filter(|(piece, _)| piece.appears_s.is_none()) {
+            place(piece, number, &mut builder);
         }
         for drop in &self.drop {
             builder.hole(DropTruth {
@@ -173,6 +182,27 @@ impl SceneFile {
             builder.named("map".to_owned());
             self.occupied.build(map.height_m, &mut builder);
         }
+        for (index, piece) in came.iter().filter_map(|index| Some((index, self.furniture.get(*index)?))) {
+            place(piece, index + 1, &mut builder);
+        }
         builder.build()
+    }
+}
+
+fn place(piece: &FurnitureFile, number: usize, builder: &mut SceneBuilder) {
+    builder.named(format!("{} {number}", piece.kind.name()));
+    let heights = (piece.from_m, piece.height_m);
+    let place = (piece.at_m[0], piece.at_m[1], piece.yaw_deg.to_radians());
+    let size = (piece.size_m[0], piece.size_m[1]);
+    match piece.kind {
+        FurnitureKind::Box => builder.cuboid(place, size, heights, piece.material),
+        FurnitureKind::Shelf => builder.shelf(place, size, piece.height_m),
+        FurnitureKind::Table => builder.table(place, size, piece.height_m),
+        FurnitureKind::Trolley => builder.trolley(place),
+        FurnitureKind::Ramp => builder.ramp(place, size, piece.height_m),
+        FurnitureKind::Post => {
+            builder.post((place.0, place.1), size.0 / 2.0, heights, piece.material);
+        }
+        FurnitureKind::Forks => builder.forks(place, size.0, heights),
     }
 }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 
+use super::arrivals::Arrivals;
 use super::broken::BrokenDevices;
 use super::bus::Bus;
 use super::dirt::DirtyWorld;
@@ -45,6 +46,7 @@ pub struct Simulation {
     pub(super) parameters: RobotParameters,
     pub(super) nominal: RobotParameters,
     pub(super) scene: Scene,
+    pub(super) arrivals: Arrivals,
     pub(super) crowd: Crowd,
     pub(super) body: RobotBody,
     pub(super) bus: Bus,
@@ -95,6 +97,7 @@ impl Simulation {
             nominal,
             dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
             scene,
+            arrivals: Arrivals::of(&scenario.scene),
             crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
             body,
             bus: Bus::new(&parameters),
@@ -222,6 +225,7 @@ impl Simulation {
             self.push_frame(now_us, frame);
         }
         if now_us.is_multiple_of(PEOPLE_STEP_US) {
+            self.let_come(now_us);
             let robot = RobotShape {
                 pose: self.body.pose(),
                 outline: &self.parameters.footprint,

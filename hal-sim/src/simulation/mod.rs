@@ -1,5 +1,6 @@
 //! Plays a scenario on virtual time: physics, people, sensors and buses in one sequence of events.
 
+mod arrivals;
 mod broken;
 mod bus;
 mod dirt;

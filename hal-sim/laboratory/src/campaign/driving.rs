@@ -86,7 +86,7 @@ pub fn drive(place: DrivingPlace, seed: u64) -> RunOutcome {
             let without_need = without_need(&observation);
             let verdict = observation.verdict;
             let failure = (!verdict.passed).then(|| verdict.why_not());
-            RunOutcome { command, failure, verdict: Some(verdict), without_need }
+            RunOutcome { command, failure, verdict: Some(verdict), without_need, ..RunOutcome::default() }
         }
         Err(error) => RunOutcome { command, failure: Some(format!("{error:#}")), ..RunOutcome::default() },
     }
@@ -190,6 +190,7 @@ fn piece(number: u32, random: &mut Pcg32) -> FurnitureFile {
         height_m,
         from_m: 0.0,
         material: Material::default(),
+        appears_s: None,
     };
     match number % 10 {
         // Columns, cupboards, cartons, bins.

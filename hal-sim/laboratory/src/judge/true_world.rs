@@ -251,6 +251,8 @@ fn solid(part: &BodyPart) -> judge::Solid {
 /// Feeds the judge with every moment of a run.
 pub struct TrueContacts {
     judge: judge::ContactJudge,
+    /// Parts of the scene that the judge knows.
+    known_parts: usize,
     excuse: Option<&'static str>,
 }
 
@@ -266,15 +268,22 @@ impl TrueContacts {
             (true, false) => Some("the emergency stop was pressed"),
             (true, true) => None,
         };
-        Ok(Self { judge: judge::ContactJudge::new(setup(plan, simulation))?, excuse })
+        let known_parts = simulation.scene().truth().len();
+        Ok(Self { judge: judge::ContactJudge::new(setup(plan, simulation))?, known_parts, excuse })
     }
 
     /// Looks at the last moment played.
     pub fn observe(&mut self, simulation: &Simulation) {
         let (pose, twist) = simulation.robot();
+        let at_s = simulation.now_us() as f64 * 1.0e-6;
+        // What comes while the world runs is the last in the scene.
+        for part in simulation.scene().truth().iter().skip(self.known_parts) {
+            self.judge.appear(judge::Thing { from_s: at_s, ..thing(part) });
+        }
+        self.known_parts = simulation.scene().truth().len();
         let people: Vec<judge::Person> = simulation.people().iter().map(person).collect();
         self.judge.observe(&judge::Moment {
-            at_s: simulation.now_us() as f64 * 1.0e-6,
+            at_s,
             pose: judge::RobotPose { x_m: pose.x_m, y_m: pose.y_m, heading_rad: pose.heading_rad },
             motion: judge::RobotMotion { forward_mps: twist.linear_mps, turn_radps: twist.angular_radps },
             people: &people,
