@@ -8,8 +8,8 @@ use floorguard_navigation::costmap::{
     CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, PeopleCost, compose,
 };
 use floorguard_navigation::global::{
-    GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal, LatticeNode,
-    LatticePlanner, LatticeStorage, Pace, PlanRequest, SearchEnd, SearchMethod, StepCosts,
+    GearOutlines, GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal,
+    LatticeNode, LatticePlanner, LatticeStorage, Pace, PlanRequest, SearchEnd, SearchMethod, StepCosts,
 };
 use floorguard_robot::site::ros_map;
 use floorguard_types::geometry::{Point2, Pose2};
@@ -183,7 +183,12 @@ fn across_a_building() -> Option<NavigationTime> {
         haste: 1.3,
     };
     let goal_rule = LatticeGoal { within_m: 0.3, within_rad: 4.0, clear_cost };
-    let mut planner = LatticePlanner::new(search, Lattice::new(raster, pace, storage), outline, goal_rule);
+    let mut planner = LatticePlanner::new(
+        search,
+        Lattice::new(raster, pace, storage),
+        GearOutlines::alike(outline),
+        goal_rule,
+    );
     let at = |cell: usize| Pose2::new(geometry.centre(cell).x_m, geometry.centre(cell).y_m, 0.0);
     let request = PlanRequest {
         costmap: floor.view(),

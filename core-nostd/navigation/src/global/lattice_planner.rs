@@ -1,10 +1,11 @@
 //! The lattice as a global planner: the true outline on the costmap, and the shortest path of a point as its estimate.
 
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_types::motion::{Footprint, Gear, Waypoint};
+use floorguard_types::motion::{Gear, Waypoint};
 use floorguard_types::number::nearest_f32;
 
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
+use super::gear_outlines::GearOutlines;
 use super::grid_planner::START_REACH_M;
 use super::grid_search::{GridSearch, SearchEnd, SearchMethod};
 use super::lattice::{Lattice, LatticeCell, LatticeNode, LatticeWorld};
@@ -21,7 +22,7 @@ pub struct LatticeGoal {
     pub within_m: f32,
     /// Within this angle, radians; π or more: any heading.
     pub within_rad: f32,
-    /// Below this cost nothing touches the circumscribed disc of the robot: its outline need not be examined.
+    /// Below this cost nothing touches the circumscribed disc of the outline that backs: it need not be examined.
     pub clear_cost: u8,
 }
 
@@ -30,7 +31,7 @@ pub struct LatticeGoal {
 pub struct LatticePlanner<D, Q, N, C, H> {
     search: GridSearch<D, Q>,
     lattice: Lattice<N, C, H>,
-    footprint: Footprint,
+    outlines: GearOutlines,
     goal: LatticeGoal,
 }
 
@@ -47,10 +48,15 @@ where
     pub const fn new(
         search: GridSearch<D, Q>,
         lattice: Lattice<N, C, H>,
-        footprint: Footprint,
+        outlines: GearOutlines,
         goal: LatticeGoal,
     ) -> Self {
-        Self { search, lattice, footprint, goal }
+        Self { search, lattice, outlines, goal }
+    }
+
+    /// Other outlines from now on.
+    pub fn set_outlines(&mut self, outlines: &GearOutlines) {
+        self.outlines.clone_from(outlines);
     }
 
     /// The lattice, for its counters.
@@ -63,7 +69,7 @@ where
 /// What the lattice sees of a costmap.
 struct World<'a, D, Q> {
     costmap: CostmapView<'a>,
-    footprint: &'a Footprint,
+    outlines: &'a GearOutlines,
     search: &'a GridSearch<D, Q>,
     pace: Pace,
     goal: LatticeGoal,
@@ -72,13 +78,15 @@ struct World<'a, D, Q> {
 }
 
 impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> LatticeWorld for World<'_, D, Q> {
-    fn slowness(&self, pose_in_map: Pose2, _gear: Gear) -> Option<f32> {
+    fn slowness(&self, pose_in_map: Pose2, gear: Gear) -> Option<f32> {
         let cost = self.costmap.cost_at(Point2::new(pose_in_map.x_m, pose_in_map.y_m));
         if cost >= Costs::INSCRIBED {
             return None;
         }
-        if cost >= self.goal.clear_cost {
-            footprint_cost(self.costmap, self.footprint, pose_in_map).ok()?;
+        let outline = self.outlines.of(gear);
+        let reaches_out = outline.circumscribed_radius_m() > self.outlines.back.circumscribed_radius_m();
+        if cost >= self.goal.clear_cost || reaches_out {
+            footprint_cost(self.costmap, outline, pose_in_map).ok()?;
         }
         Some(1.0 + 3.0 * f32::from(cost) / nearest_f32(StepCosts::NEUTRAL))
     }
@@ -128,7 +136,7 @@ where
         let moved_m = if is_own { 0.0 } else { geometry.centre(goal).distance(place(request.goal_in_map)) };
         let world = World {
             costmap,
-            footprint: &self.footprint,
+            outlines: &self.outlines,
             search: &self.search,
             pace: *self.lattice.pace(),
             goal: self.goal,
@@ -147,6 +155,7 @@ mod tests {
     use crate::costmap::floor_tests::costs_of;
     use crate::global::{HEADINGS, LatticeStorage};
     use floorguard_mapping::GridGeometry;
+    use floorguard_types::motion::Footprint;
     use std::vec;
     use std::vec::Vec;
 
@@ -181,7 +190,7 @@ mod tests {
         };
         let lattice = Lattice::new(raster, PACE, storage);
         let goal = LatticeGoal { within_m: 0.2, within_rad: 0.3, clear_cost: 1 };
-        let mut planner = LatticePlanner::new(search, lattice, footprint.clone(), goal);
+        let mut planner = LatticePlanner::new(search, lattice, GearOutlines::alike(footprint.clone()), goal);
         let request = PlanRequest {
             costmap,
             start_in_map: Pose2::new(1.0, 1.0, 0.0),
@@ -201,5 +210,43 @@ mod tests {
         }
         let far = PlanRequest { goal_in_map: Pose2::new(4.0, 1.0, 0.0), ..request };
         assert_eq!(planner.plan(&far, &mut vec![Waypoint::default(); 500]), Err(PlanFailure::GoalBlocked));
+    }
+
+    /// Before a wall a robot whose guard wants room ahead goes back first; its body alone could turn where it stands.
+    #[test]
+    fn robot_parked_before_a_wall_backs_first() {
+        let geometry = GridGeometry::new(120, 120, 0.05, Point2::default()).unwrap();
+        let shape = InflationConfig { inscribed_radius_m: 0.25, inflation_radius_m: 0.9, decay_per_m: 4.0 };
+        let costs = costs_of(&geometry, &shape, |place| {
+            place.x_m < 0.1 || place.y_m < 0.1 || place.x_m > 5.9 || place.y_m > 5.9
+        });
+        let outline = |reach_m: f32| {
+            let corners = [(reach_m, 0.25), (-0.3, 0.25), (-0.3, -0.25), (reach_m, -0.25)];
+            Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap()
+        };
+        let raster = GridGeometry::new(60, 60, 0.1, Point2::default()).unwrap();
+        let request = PlanRequest {
+            costmap: CostmapView::new(geometry, &costs, 1).unwrap(),
+            start_in_map: Pose2::new(4.7, 3.0, 0.0),
+            goal_in_map: Pose2::new(2.0, 3.0, core::f32::consts::PI),
+            tolerance_m: 0.1,
+        };
+        let first_gear = |reach_m: f32| {
+            let search = GridSearch::new(vec![0; costs.len()], vec![0; 8_192], StepCosts::new(false));
+            let storage = LatticeStorage {
+                nodes: vec![LatticeNode::default(); 60_000],
+                cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
+                heap: vec![HeapEntry::default(); 60_000],
+            };
+            let goal = LatticeGoal { within_m: 0.2, within_rad: 0.3, clear_cost: 1 };
+            let alike = GearOutlines::alike(outline(0.9));
+            let mut planner = LatticePlanner::new(search, Lattice::new(raster, PACE, storage), alike, goal);
+            planner.set_outlines(&GearOutlines { ahead: outline(reach_m), back: outline(0.9) });
+            let mut path = vec![Waypoint::default(); 500];
+            let plan = planner.plan(&request, &mut path).unwrap();
+            assert!(plan.waypoints > 2);
+            path[1].gear
+        };
+        assert_eq!((first_gear(0.9), first_gear(1.3)), (Gear::Spin, Gear::Back));
     }
 }

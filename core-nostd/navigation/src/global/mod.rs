@@ -3,6 +3,7 @@
 
 mod bucket_queue;
 mod contract;
+mod gear_outlines;
 mod gradient;
 mod grid_planner;
 mod grid_search;
@@ -20,6 +21,7 @@ mod step_costs;
 mod trace;
 
 pub use contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
+pub use gear_outlines::GearOutlines;
 pub use gradient::descend;
 pub use grid_planner::GridPlanner;
 pub use grid_search::{GridSearch, SearchEnd, SearchMethod};

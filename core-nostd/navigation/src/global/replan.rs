@@ -1,10 +1,11 @@
 //! When a path must be planned again.
 
 use floorguard_types::geometry::Pose2;
-use floorguard_types::motion::{Footprint, Waypoint};
+use floorguard_types::motion::Waypoint;
 use floorguard_types::number::{nearest_f32, saturating_usize};
 
 use super::contract::Plan;
+use super::gear_outlines::GearOutlines;
 use crate::costmap::{CostmapView, footprint_cost};
 
 /// What became of a plan on today's costmap.
@@ -35,11 +36,11 @@ fn between(from: &Waypoint, to: &Waypoint, share: f32) -> Pose2 {
     Pose2::new(a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m), heading_rad)
 }
 
-/// Looks along the rest of a path with the true outline. Cost: an outline every 0.1 m, if the costmap has changed.
+/// Looks along the rest of a path with the outline that each gear needs. Cost: an outline every 0.1 m, if the costmap has changed.
 #[must_use]
 pub fn check_plan(
     costmap: CostmapView<'_>,
-    footprint: &Footprint,
+    outlines: &GearOutlines,
     (plan, rest): (&Plan, &[Waypoint]),
 ) -> PlanState {
     if costmap.revision() == plan.costmap_revision {
@@ -53,7 +54,7 @@ pub fn check_plan(
         let samples = saturating_usize(length_m / SAMPLE_EVERY_M).min(SAMPLES_MAX).saturating_add(1);
         for sample in 1..=samples {
             let share = nearest_f32(sample) / nearest_f32(samples);
-            if footprint_cost(costmap, footprint, between(&from, at, share)).is_err() {
+            if footprint_cost(costmap, outlines.of(at.gear), between(&from, at, share)).is_err() {
                 return PlanState::Blocked { waypoint, along_m: along_m + share * length_m };
             }
         }
@@ -68,7 +69,7 @@ mod tests {
     use crate::costmap::Costs;
     use floorguard_mapping::GridGeometry;
     use floorguard_types::geometry::Point2;
-    use floorguard_types::motion::Gear;
+    use floorguard_types::motion::{Footprint, Gear};
     use std::vec;
 
     #[test]
@@ -76,12 +77,13 @@ mod tests {
         let geometry = GridGeometry::new(80, 40, 0.1, Point2::default()).unwrap();
         let mut costs = vec![0; 3_200];
         let corners = [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)];
-        let footprint = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
+        let outline = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
+        let outlines = GearOutlines::alike(outline);
         let path = [1.0, 2.0, 3.0, 4.0, 5.0]
             .map(|x_m| Waypoint { pose_in_map: Pose2::new(x_m, 2.0, 0.0), gear: Gear::Ahead });
         let plan = Plan { waypoints: 5, cost: 1.0, costmap_revision: 1 };
         let state = |costs: &[u8], revision| {
-            check_plan(CostmapView::new(geometry, costs, revision).unwrap(), &footprint, (&plan, &path))
+            check_plan(CostmapView::new(geometry, costs, revision).unwrap(), &outlines, (&plan, &path))
         };
         assert_eq!(state(&costs, 1), PlanState::Current);
         assert_eq!(state(&costs, 2), PlanState::Outdated);

@@ -43,8 +43,6 @@ const HELD_S: f32 = 1.0;
 const STRAIGHT_S: f32 = 0.3;
 /// For so long the robot stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
-/// The robot backs out so far, metres.
-const BACK_M: f32 = 1.0;
 
 /// A drive to a goal.
 pub struct Navigator {
@@ -163,7 +161,7 @@ impl Navigator {
 
     fn is_blocked(&self) -> bool {
         let (Some(costmap), Some(plan)) = (self.maps.global(), self.course.plan()) else { return false };
-        let state = check_plan(costmap, &self.model.outline, (plan, self.course.rest()));
+        let state = check_plan(costmap, self.search.least(), (plan, self.course.rest()));
         matches!(state, PlanState::Blocked { .. })
     }
 
@@ -277,7 +275,7 @@ impl Navigator {
             self.steering.restart();
         }
         if !step.is_new {
-            return;
+            return self.straighten_backing(pose);
         }
         if step.measure != Measure::Drive {
             *self.measures.entry(step.measure.words()).or_default() += 1;
@@ -288,13 +286,7 @@ impl Navigator {
                 (self.next_refresh_s, self.next_plan_s) = (now_s + 0.3, now_s + 0.3);
                 self.course = Course::default();
             }
-            Measure::BackOut => {
-                let mut way = vec![Waypoint::default(); 64];
-                let count = self.trail.way_back(pose, BACK_M, &mut way);
-                way.truncate(if count > 1 { count } else { 0 });
-                self.back = way;
-                self.steering.restart();
-            }
+            Measure::BackOut => self.begin_backing(pose),
             Measure::OtherWay => {
                 let ahead = pose.compose(Pose2::new(1.2, 0.0, 0.0));
                 self.maps.avoid(place_of(ahead));

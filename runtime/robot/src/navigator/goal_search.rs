@@ -3,8 +3,8 @@
 use floorguard_mapping::{GridGeometry, GridSides};
 use floorguard_navigation::costmap::CostmapView;
 use floorguard_navigation::global::{
-    GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal, LatticeNode,
-    LatticePlanner, LatticeStorage, Plan, PlanFailure, PlanRequest, StepCosts,
+    GearOutlines, GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal,
+    LatticeNode, LatticePlanner, LatticeStorage, Plan, PlanFailure, PlanRequest, StepCosts,
 };
 use floorguard_types::motion::Waypoint;
 
@@ -30,6 +30,9 @@ pub(super) struct GoalSearch {
     search: Search,
     path: Vec<Waypoint>,
     tolerance_m: f32,
+    /// With what the guard wants, and where that leads nowhere what the body needs: the guard has the last word, on what stands there
+    /// then.
+    outlines: [GearOutlines; 2],
 }
 
 impl GoalSearch {
@@ -60,8 +63,14 @@ impl GoalSearch {
             within_rad: NEAR_RAD.max(0.8 * model.arrival.within_rad),
             clear_cost: model.clear_cost,
         };
-        let search = LatticePlanner::new(search, lattice, model.outline.clone(), goal);
-        Ok(Self { search, path: vec![Waypoint::default(); PATH_MAX], tolerance_m })
+        let search = LatticePlanner::new(search, lattice, model.outlines.clone(), goal);
+        let outlines = [model.outlines.clone(), GearOutlines::alike(model.outline.clone())];
+        Ok(Self { search, path: vec![Waypoint::default(); PATH_MAX], tolerance_m, outlines })
+    }
+
+    /// What a path needs at least: one that the guard may refuse for a moment is no reason to plan anew.
+    pub(super) const fn least(&self) -> &GearOutlines {
+        &self.outlines[1]
     }
 
     /// A path between two poses of the map frame.
@@ -75,7 +84,15 @@ impl GoalSearch {
     ) -> Result<(Plan, Vec<Waypoint>), PlanFailure> {
         let Journey { start_in_map, goal_in_map } = journey;
         let request = PlanRequest { costmap, start_in_map, goal_in_map, tolerance_m: 0.5 * self.tolerance_m };
-        let plan = self.search.plan(&request, &mut self.path)?;
+        let mut found = Err(PlanFailure::Unreachable);
+        for outlines in &self.outlines {
+            self.search.set_outlines(outlines);
+            found = self.search.plan(&request, &mut self.path);
+            if found != Err(PlanFailure::Unreachable) {
+                break;
+            }
+        }
+        let plan = found?;
         Ok((plan, self.path.get(..plan.waypoints).unwrap_or_default().to_vec()))
     }
 }

@@ -1,6 +1,7 @@
 //! Drives to a goal on a known map, or makes one: costmaps, a global plan, a local planner, and what to do when the robot does not come
 //! forward. What comes out is a request; the guard decides.
 
+mod backing;
 mod course;
 mod drive;
 mod exploring;

@@ -1,10 +1,10 @@
 //! The robot as planners see it: outline, drive, what the costmap keeps around obstacles.
 
 use floorguard_navigation::costmap::InflationConfig;
-use floorguard_navigation::global::Pace;
+use floorguard_navigation::global::{GearOutlines, Pace};
 use floorguard_navigation::local::{Arrival, DwaConfig, MppiConfig, MppiWeights};
 use floorguard_navigation::recovery::RecoveryTimes;
-use floorguard_runtime::configuration::{DriveTrain, RobotConfiguration};
+use floorguard_runtime::configuration::{DirectionOfTravel, DriveTrain, RobotConfiguration};
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::{DriveGeometry, DriveKinematics, Footprint};
 
@@ -12,6 +12,8 @@ use super::plan::NavigationSettings;
 
 /// Kept around the body, metres: what the guard keeps beside it, and half a cell.
 const MARGIN_M: f32 = 0.08;
+/// Kept beyond the guard's field, metres: what its own place, the map and the scanner may be wrong by.
+const FIELD_MARGIN_M: f32 = 0.03;
 /// Cost falls off to a hundredth over this beyond the outline, metres.
 const INFLATION_M: f32 = 0.6;
 const DECAY_PER_M: f32 = 4.0;
@@ -46,6 +48,8 @@ pub(super) fn times_of(settings: &NavigationSettings) -> RecoveryTimes {
 pub(super) struct Model {
     /// The outline with its margin.
     pub(super) outline: Footprint,
+    /// What a path needs: before a robot that goes ahead or turns what its guard keeps clear of it at its slowest.
+    pub(super) outlines: GearOutlines,
     /// How it moves.
     pub(super) drive: DriveKinematics,
     /// How obstacles are widened.
@@ -71,6 +75,17 @@ fn drive_geometry(robot: &RobotConfiguration) -> DriveGeometry {
     }
 }
 
+/// The front of the field that the guard wants clear before the robot may go ahead, or turn, at all: how far ahead of the base point,
+/// and how far to either side, metres.
+fn slowest_field_m(robot: &RobotConfiguration) -> (f32, f32) {
+    let ahead = robot.fields.iter().filter(|pair| pair.direction == DirectionOfTravel::Forward);
+    let slowest = ahead.min_by(|a, b| a.speed_max_mps.total_cmp(&b.speed_max_mps));
+    let corners = || slowest.into_iter().flat_map(|pair| &pair.protective);
+    let reach_m = corners().map(|corner| corner.x_m).fold(0.0, f32::max);
+    let front = corners().filter(|corner| corner.x_m > reach_m - 0.01);
+    (reach_m, front.map(|corner| corner.y_m.abs()).fold(0.0, f32::max))
+}
+
 impl Model {
     /// Of a robot that is to drive like this, on cells of this edge.
     ///
@@ -90,6 +105,12 @@ impl Model {
         let (right_m, left_m) = (low.y_m - MARGIN_M, high.y_m + MARGIN_M);
         let corners = [(rear_m, right_m), (front_m, right_m), (front_m, left_m), (rear_m, left_m)];
         let outline = Footprint::new(&corners.map(|(x_m, y_m)| Point2::new(x_m, y_m)))?;
+        let (reach_m, half_m) = slowest_field_m(robot);
+        let (reach_m, half_m) = (front_m.max(reach_m + FIELD_MARGIN_M), left_m.min(half_m + FIELD_MARGIN_M));
+        let nose = [(reach_m, right_m.max(-half_m)), (reach_m, half_m)];
+        let ahead = [corners[0], corners[1], nose[0], nose[1], corners[2], corners[3]];
+        let ahead = Footprint::new(&ahead.map(|(x_m, y_m)| Point2::new(x_m, y_m)))?;
+        let outlines = GearOutlines { ahead, back: outline.clone() };
         let around_m = outline.circumscribed_radius_m() + cell_m;
         let inflation = InflationConfig {
             inscribed_radius_m: outline.inscribed_radius_m(),
@@ -114,7 +135,7 @@ impl Model {
             turn_max_radps: spin_radps,
         };
         let clear_cost = inflation.cost_at(around_m - 0.5 * cell_m).max(1);
-        Ok(Self { outline, drive, inflation, clear_cost, arrival })
+        Ok(Self { outline, outlines, drive, inflation, clear_cost, arrival })
     }
 
     /// What the lattice counts on, for a raster of this edge.
