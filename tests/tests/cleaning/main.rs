@@ -4,6 +4,7 @@ mod cleaning_claims;
 mod cleaning_missions;
 mod cleaning_reproduce;
 mod cleaning_robot;
+mod dead_ends;
 mod navigation_barn;
 mod navigation_drive;
 mod navigation_exploration;

@@ -1,6 +1,8 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
 mod contacts;
+mod dead_end_world;
+mod dead_ends;
 mod driving;
 mod encounters;
 mod fault_class;
@@ -20,6 +22,8 @@ pub use contacts::{
     ContactRow, ContactSummary, FamilyCounts, TapedContactTrial, contact_plan, contact_trial,
     contact_trial_with, taped_contact_trial,
 };
+pub use dead_end_world::DeadEndWorld;
+pub use dead_ends::{Way, dead_end_drive, dead_end_observation, judge as judge_dead_end, way_to};
 pub use driving::{DRIVE_S, DrivingPlace, drive, rate95};
 pub use encounters::encounter;
 pub use fault_class::random_fault;
@@ -27,7 +31,7 @@ pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_
 pub use fault_phase::box_on_path;
 pub use removal::Removal;
 pub use single_faults::single_fault;
-pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
+pub use summary::{CampaignSummary, RunOutcome, WorldFile, run_all, run_some};
 
 use crate::world::{Observation, Observer, Plan, run_recorded};
 use floorguard_host::executor::StopFlag;

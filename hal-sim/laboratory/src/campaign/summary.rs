@@ -1,5 +1,7 @@
 //! Runs a list of cases on all cores and adds up the verdicts in the order of the cases.
 
+use std::collections::BTreeMap;
+
 use floorguard_contact_judge::ContactCounts;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -17,6 +19,20 @@ pub struct RunOutcome {
     pub verdict: Option<Verdict>,
     /// Stops without need, in words, where the campaign asks for them.
     pub without_need: Vec<String>,
+    /// How it ended, in a few words, where there are several good ends.
+    pub ending: Option<&'static str>,
+    /// Its world, if it failed, where the campaign draws worlds.
+    #[serde(skip)]
+    pub world: Option<WorldFile>,
+}
+
+/// A world as a scenario file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WorldFile {
+    /// Its name, without a folder.
+    pub name: String,
+    /// Its text; comments say how to play it.
+    pub text: String,
 }
 
 /// What all cases came to.
@@ -28,6 +44,8 @@ pub struct CampaignSummary {
     pub failures: Vec<RunOutcome>,
     /// Stops without need, in words, each with the command that repeats its run, where the campaign asks for them.
     pub without_need: Vec<String>,
+    /// How many runs ended in which way, where there are several good ends; failed ones are not among them.
+    pub endings: BTreeMap<&'static str, u32>,
     /// Sum over all runs.
     pub contacts: u32,
     /// Sum over all runs.
@@ -87,6 +105,9 @@ pub fn run_some<C: Sync>(
         }
         let repeat = |stop: &String| format!("{stop}; {}", outcome.command);
         summary.without_need.extend(outcome.without_need.iter().map(repeat));
+        if outcome.failure.is_none() {
+            outcome.ending.into_iter().for_each(|ending| *summary.endings.entry(ending).or_default() += 1);
+        }
         if outcome.failure.is_some() {
             summary.failures.push(outcome);
         }
@@ -109,10 +130,13 @@ mod tests {
             failure: (case % 40 == 39).then(|| "contact".to_owned()),
             verdict: Some(Verdict { stops: *case, ..Verdict::default() }),
             without_need: vec![format!("at {case} s")],
+            ending: Some(if case % 2 == 0 { "even" } else { "odd" }),
+            world: None,
         });
         let commands: Vec<&str> = summary.failures.iter().map(|failure| failure.command.as_str()).collect();
         assert_eq!(commands, ["floorguard simulate --seed 39", "floorguard simulate --seed 79"]);
         assert_eq!((summary.runs, summary.stops), (100, 4_950));
+        assert_eq!((summary.endings["even"], summary.endings["odd"]), (50, 48), "failed ones have no ending");
         assert_eq!(summary.without_need[39], "at 39 s; floorguard simulate --seed 39");
     }
 

@@ -77,8 +77,8 @@ impl NavigationReport {
                 self.off_goal_m, self.off_goal_deg
             ));
         }
-        if self.unreasoned_s > UNREASONED_MAX_S {
-            return Some(format!("the robot stood for {:.1} s and named no true reason", self.unreasoned_s));
+        if let Some(shortfall) = self.stands_without_reason() {
+            return Some(shortfall);
         }
         if let Some(shortfall) = self.tour.as_ref().and_then(TourReport::shortfall) {
             return Some(shortfall);
@@ -88,6 +88,21 @@ impl NavigationReport {
         }
         (!self.reached)
             .then(|| format!("the goal is not reached after {:.0} s: {}", self.took_s, self.reason))
+    }
+
+    /// It stood too long and named no true reason.
+    #[must_use]
+    pub fn stands_without_reason(&self) -> Option<String> {
+        (self.unreasoned_s > UNREASONED_MAX_S)
+            .then(|| format!("the robot stood for {:.1} s and named no true reason", self.unreasoned_s))
+    }
+
+    /// The drive ended because the robot gave up and asked for a person.
+    #[must_use]
+    pub fn calls_help(&self) -> bool {
+        [NavigationPhase::NeedsHelp, NavigationPhase::Unreachable]
+            .iter()
+            .any(|phase| self.phase == phase.name())
     }
 
     /// In one line, for people.

@@ -1,8 +1,9 @@
 //! `floorguard campaign`: many seeded runs on all cores, and what came of them.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -11,8 +12,8 @@ use super::exit::{Unfinished, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::campaign::{
-    CampaignSummary, Cell, DrivingPlace, cell_of, coverage, drive, encounter, fault_trial, rate95,
-    run_seeds_until, single_fault,
+    CampaignSummary, Cell, DrivingPlace, cell_of, coverage, dead_end_drive, drive, encounter, fault_trial,
+    rate95, run_seeds_until, single_fault,
 };
 
 /// Kinds of campaigns.
@@ -30,6 +31,8 @@ pub enum CampaignKind {
     Furniture,
     /// The same in empty halls.
     EmptyHalls,
+    /// Drives to a goal through buildings with dead ends, trolleys that are left in aisles and doors that shut.
+    DeadEnds,
     /// Adds up the files that `contacts --record` wrote on several machines.
     Merge,
 }
@@ -56,7 +59,7 @@ pub struct CampaignArguments {
     /// Contacts only: a file that keeps a row for each trial; trials that are in it are not played again.
     #[arg(long)]
     pub record: Option<PathBuf>,
-    /// Contacts only: a folder for the worlds of failed trials, as scenario files.
+    /// Contacts and dead-ends only: a folder for the worlds of failed trials, as scenario files.
     #[arg(long)]
     pub worlds: Option<PathBuf>,
     /// One object on standard output.
@@ -82,7 +85,8 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
         | CampaignKind::SingleFaults
         | CampaignKind::Faults
         | CampaignKind::Furniture
-        | CampaignKind::EmptyHalls => {}
+        | CampaignKind::EmptyHalls
+        | CampaignKind::DeadEnds => {}
     }
     let one = |seed| {
         let outcome = match arguments.kind {
@@ -90,6 +94,7 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
             CampaignKind::SingleFaults => single_fault(seed),
             CampaignKind::Furniture => drive(DrivingPlace::Furniture, seed),
             CampaignKind::EmptyHalls => drive(DrivingPlace::EmptyHall, seed),
+            CampaignKind::DeadEnds => dead_end_drive(seed),
             _ => fault_trial(arguments.seed, seed).1,
         };
         bar.inc(1);
@@ -102,6 +107,9 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     end_at_ctrl_c(&ended, "what is running is run to its end")?;
     let summary = run_seeds_until(trials.clone(), &ended, one)?;
     bar.finish_and_clear();
+    if let Some(folder) = &arguments.worlds {
+        write_worlds(folder, &summary)?;
+    }
     let is_cut = (summary.runs as u64) < arguments.trials;
     if arguments.json {
         tell!("{}", serde_json::to_string(&summary)?)?;
@@ -114,6 +122,12 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
             show_coverage(trials);
         }
     }
+    conclude(arguments, &summary)
+}
+
+/// How the command ends.
+fn conclude(arguments: &CampaignArguments, summary: &CampaignSummary) -> anyhow::Result<()> {
+    let is_cut = (summary.runs as u64) < arguments.trials;
     if is_cut && summary.failures.is_empty() {
         let further = match arguments.kind {
             CampaignKind::Faults => "; `cargo xtask campaign faults` goes on where it was cut",
@@ -126,6 +140,17 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
         return Ok(());
     }
     Err(VerdictFailed(format!("{} of {} runs failed", summary.failures.len(), summary.runs)).into())
+}
+
+/// One scenario file for each run that failed, if the campaign draws worlds; its first line plays it.
+fn write_worlds(folder: &Path, summary: &CampaignSummary) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+    for world in summary.failures.iter().filter_map(|failure| failure.world.as_ref()) {
+        let path = folder.join(&world.name);
+        std::fs::write(&path, &world.text)
+            .with_context(|| format!("{}: cannot be written", path.display()))?;
+    }
+    Ok(())
 }
 
 fn contacts(arguments: &CampaignArguments) -> ContactCampaign<'_> {
@@ -165,6 +190,9 @@ fn show(summary: &CampaignSummary) {
     );
     if summary.stop_latency_max_ms > 0.0 {
         say!("slowest order to stop {:.0} ms", summary.stop_latency_max_ms);
+    }
+    for (ending, runs) in &summary.endings {
+        say!("{runs} runs: {ending}");
     }
     for failure in &summary.failures {
         say!("failed: {}\n  {}", failure.failure.as_deref().unwrap_or_default(), failure.command);
