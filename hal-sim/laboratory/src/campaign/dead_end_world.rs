@@ -1,5 +1,5 @@
 //! Buildings in which a drive to a goal can get stuck: aisles that end at a wall, trolleys that are left in them, doors that shut
-//! while the robot is under way. What is left and what shuts is on no map.
+//! while the robot drives. What is left and what shuts is on no map.
 
 use floorguard_sim::scenario::{PersonFile, Scenario, StartFile};
 use floorguard_sim::scene::{FurnitureFile, FurnitureKind, Material, Scene, SceneFile, WallFile};

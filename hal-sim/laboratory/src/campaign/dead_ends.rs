@@ -55,20 +55,20 @@ fn file_of(world: &DeadEndWorld, (seed, failure): (u64, &str)) -> WorldFile {
     WorldFile { text: format!("# {play}\n# {failure}\n{}", world.scenario.to_toml()), name }
 }
 
-/// Plays the drive of a seed; `spoil` may take something from its plan.
+/// Plays the drive of a seed; `change` may take something from its robot.
 ///
 /// # Errors
 /// The world cannot be played.
 pub fn dead_end_observation(
     seed: u64,
-    spoil: impl FnOnce(&mut Plan),
+    change: impl FnOnce(&mut Plan),
 ) -> anyhow::Result<(DeadEndWorld, Observation)> {
     let world = DeadEndWorld::drawn(seed);
     let mut plan = Plan::of("dead-ends", world.scenario.clone(), seed, DRIVE_S * 1_000_000)?;
     plan.navigation_settings.help_after_s = HELP_S;
     let mut plan = plan.navigating(world.goal)?;
     plan.lidar_grain = LIDAR_GRAIN;
-    spoil(&mut plan);
+    change(&mut plan);
     let observation = watched(&plan)?;
     Ok((world, observation))
 }

@@ -17,7 +17,7 @@ const WAY_MAX: usize = 64;
 const HELD_S: f32 = 2.0;
 
 impl Navigator {
-    /// The way to back out: the one that it came; straight back where that is none.
+    /// The way to back out: the one that it came, otherwise straight back.
     pub(super) fn begin_backing(&mut self, pose: Pose2) {
         let mut way = vec![Waypoint::default(); WAY_MAX];
         let count = self.trail.way_back(pose, BACK_M, &mut way);
@@ -26,7 +26,7 @@ impl Navigator {
         self.steering.restart();
     }
 
-    /// The guard refuses the way it came: straight back instead, if there is room.
+    /// The guard refuses the way it came: straight back instead, where nothing stands.
     pub(super) fn straighten_backing(&mut self, pose: Pose2) {
         let is_straight = self.back.first().zip(self.back.last()).is_some_and(|(first, last)| {
             let aside_m = first.pose_in_map.inverse().compose(last.pose_in_map).y_m.abs();
