@@ -17,7 +17,7 @@ use floorguard_types::number::truncating_u32;
 pub const PARTS: usize = 16;
 /// Odd, so that multiplying is one-to-one (the 32-bit FNV prime).
 const FACTOR: u32 = 0x0100_0193;
-const LANES: usize = 8;
+const LANES: usize = 4;
 
 /// What the constants were when the guard was built.
 #[derive(Clone, Debug, PartialEq)]
