@@ -77,8 +77,10 @@ fn run_all(programs: VecDeque<TestProgram>) -> Vec<Vec<String>> {
     let threads = cores.div_ceil(workers);
     let (waiting, failed) = (Mutex::new(programs), Mutex::new(Vec::new()));
     let shown = Mutex::new(());
+    // On its own, so that the queue is free again while a program runs.
+    let next = || locked(&waiting).pop_front();
     let work = || {
-        while let Some(program) = locked(&waiting).pop_front() {
+        while let Some(program) = next() {
             let (text, succeeded) = ran(&program, threads);
             let _one_at_a_time = locked(&shown);
             println!("{text}");
@@ -146,6 +148,32 @@ mod tests {
                 "--workspace --doc --no-fail-fast"
             ]
         );
+    }
+
+    /// Two programs that wait for one another end only if they run at once.
+    #[test]
+    fn programs_run_at_once() {
+        if std::thread::available_parallelism().map_or(1, usize::from) < 2 {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let program = |name: &str, own: &str, other: &str| {
+            use std::os::unix::fs::PermissionsExt as _;
+            let path = folder.path().join(name);
+            let wait = format!(
+                "#!/bin/sh\ntouch {own}\nfor _ in $(seq 100); do [ -e {other} ] && exit 0; sleep 0.1; done\nexit 1\n"
+            );
+            std::fs::write(&path, wait).unwrap();
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+            TestProgram {
+                path: Some(path),
+                folder: folder.path().into(),
+                words: vec![name.to_owned()],
+                size: 0,
+            }
+        };
+        let both = [program("one", "a", "b"), program("two", "b", "a")];
+        assert_eq!(run_all(both.to_vec().into()), Vec::<Vec<String>>::new());
     }
 
     /// Programs of the system stand for tests: one that ends well, one that does not, and one that there is not.
