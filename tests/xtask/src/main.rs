@@ -27,7 +27,6 @@ mod setup;
 mod stack;
 mod targets;
 mod test;
-mod test_programs;
 mod vcan;
 #[cfg(test)]
 mod vocabulary;
@@ -47,8 +46,6 @@ enum Command {
     Setup,
     /// Set up, then run everything that CI runs.
     Test(test::Options),
-    /// Build all tests and run them, several test programs side by side.
-    TestPrograms,
     /// Check every claim of the safety evidence and write it to target/audit.
     Audit(audit::Options),
     /// Let the records of docs/evidence follow code that only moved since a commit.
@@ -96,7 +93,6 @@ fn run(command: Command) -> anyhow::Result<bool> {
     match command {
         Command::Setup => setup::run(),
         Command::Test(options) => test::run(&options),
-        Command::TestPrograms => test_programs::run(),
         // Without the target no claim on compiled code could be judged, and the sources would be blamed for it.
         Command::Audit(options) => setup::need_target().and_then(|()| audit::run(&options)),
         Command::Moved(options) => records::run(&options),

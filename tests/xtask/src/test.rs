@@ -42,7 +42,7 @@ const GROUPS: &[Group] = &[
         "clippy --quiet --package floorguard --no-default-features --features foxglove,fleet,ros2 -- --deny warnings",
     )],
     &[("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET")],
-    &[("tests", "xtask test-programs")],
+    &[("tests", "test --workspace --no-fail-fast")],
     &[("firmware", "xtask firmware"), ("board", "xtask firmware --board stm32h743")],
     &[("wired", "xtask firmware --wired --duration 5")],
     &[("faults", "xtask firmware --faults few")],
