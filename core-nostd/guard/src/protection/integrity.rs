@@ -123,3 +123,26 @@ impl Sum {
         self.add(u32::from(bin.least_share) | (u32::from(bin.own_mm) << 16));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{LANES, Sum};
+
+    /// Whatever is left of a half beside whole groups counts, too: which is none on a computer, and two or three limits on a board.
+    #[test]
+    fn fg_req_017_each_limit_of_any_length_counts() {
+        for length in 0..=3 * LANES {
+            let limits_mm: std::vec::Vec<u16> = (1..).take(length).collect();
+            let sum = |limits_mm: &[u16]| {
+                let mut sum = Sum(7);
+                sum.limits(limits_mm);
+                sum.0
+            };
+            for at in 0..length {
+                let mut changed = limits_mm.clone();
+                changed[at] ^= 0x0400;
+                assert_ne!(sum(&changed), sum(&limits_mm), "limit {at} of {length}");
+            }
+        }
+    }
+}
