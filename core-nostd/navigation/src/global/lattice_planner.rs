@@ -1,4 +1,4 @@
-//! The lattice as a global planner: the true outline on the costmap, and the shortest path of a point as its estimate.
+//! The lattice as a global planner: on the costmap the outline that each gear needs, and the shortest path of a point as its estimate.
 
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::motion::{Gear, Waypoint};

@@ -73,7 +73,7 @@ impl GoalSearch {
         &self.outlines[1]
     }
 
-    /// A path between two poses of the map frame.
+    /// A path between two poses of the map frame. Where there is none, the search is made twice.
     ///
     /// # Errors
     /// See [`PlanFailure`].

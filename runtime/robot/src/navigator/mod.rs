@@ -10,6 +10,8 @@ mod goals;
 mod guard_model;
 mod maps;
 mod model;
+#[cfg(test)]
+mod parked_tests;
 mod place;
 mod plan;
 mod progress;
