@@ -107,16 +107,7 @@ impl<'r> Draft<'r> {
 
 /// A piece of a kind at a place, as large as its kind is by default.
 pub(super) fn piece(kind: FurnitureKind, at_m: [f32; 2]) -> FurnitureFile {
-    FurnitureFile {
-        kind,
-        at_m,
-        yaw_deg: 0.0,
-        size_m: [1.0, 1.0],
-        height_m: 1.0,
-        from_m: 0.0,
-        material: Material::Matte,
-        appears_s: None,
-    }
+    FurnitureFile::new(kind, at_m, ([1.0, 1.0], 1.0))
 }
 
 /// Any point of the piece as seen from above lies in the robot at its start.

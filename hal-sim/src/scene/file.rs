@@ -50,6 +50,13 @@ pub struct FurnitureFile {
 }
 
 impl FurnitureFile {
+    /// A matte piece that stands on the floor from the start, not turned: size and height in metres.
+    #[must_use]
+    pub const fn new(kind: FurnitureKind, at_m: [f32; 2], (size_m, height_m): ([f32; 2], f32)) -> Self {
+        let material = Material::Matte;
+        Self { kind, at_m, yaw_deg: 0.0, size_m, height_m, from_m: 0.0, material, appears_s: None }
+    }
+
     /// From its middle to its farthest corner, metres; of some kinds more.
     #[must_use]
     pub fn reach_m(&self) -> f32 {

@@ -5,8 +5,6 @@ use floorguard_types::geometry::Point2;
 use super::Simulation;
 use crate::scene::{FurnitureFile, Scene, SceneFile};
 
-/// Middle of the robot in its own frame, and the disc around it, metres.
-const ROBOT: (Point2, f32) = (Point2 { x_m: 0.25, y_m: 0.0 }, 0.85);
 /// Nothing comes nearer to a body than this, metres.
 const GAP_M: f32 = 0.4;
 /// A disc around a person, metres.
@@ -49,14 +47,22 @@ impl Arrivals {
 }
 
 impl Simulation {
+    /// What has come since the start, by its index among the scenario's furniture.
+    #[must_use]
+    pub fn came(&self) -> &[usize] {
+        &self.arrivals.came
+    }
+
     /// Lets come what is due.
     pub(super) fn let_come(&mut self, now_us: u64) {
         if self.arrivals.waiting.is_empty() {
             return;
         }
-        let (middle, radius_m) = ROBOT;
+        let pose = self.body.pose();
+        let robot = self.parameters.footprint.iter().map(|corner| (pose.transform(*corner), 0.0));
         let people = self.crowd.people.iter().map(|person| (person.position, PERSON_M));
-        let bodies: Vec<_> = people.chain([(self.body.pose().transform(middle), radius_m)]).collect();
+        let middle = (Point2::new(pose.x_m, pose.y_m), 0.0);
+        let bodies: Vec<_> = people.chain(robot).chain([middle]).collect();
         if let Some(scene) = self.arrivals.scene_at(now_us as f32 * 1.0e-6, &bodies) {
             self.scene = scene;
         }

@@ -39,6 +39,17 @@ fn blind_robot_fails_among_dead_ends() {
     assert!(knows, "{failure}");
 }
 
+/// A robot that gives up at once is not right: the true building has a way.
+#[test]
+fn robot_that_gives_up_fails_among_dead_ends() {
+    let (world, seen) = dead_end_observation(4, |plan| {
+        plan.navigation.as_mut().expect("a drive").settings.help_after_s = 0.5;
+    })
+    .unwrap();
+    let failure = judge_dead_end(&world, &seen).unwrap_err();
+    assert!(failure.contains("although there is a way"), "{failure}");
+}
+
 /// Three decimetres before a wall the guard lets the robot do nothing but go back. It asks for nothing else.
 #[test]
 fn robot_parked_before_a_wall_backs_out() {

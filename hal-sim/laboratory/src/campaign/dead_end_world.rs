@@ -99,7 +99,7 @@ fn shelves([from_m, to_m]: [f32; 2], random: &mut Pcg32) -> Vec<FurnitureFile> {
         }
         let at_m = [f32::midpoint(ends[0], ends[1]), middle_m + random.uniform_between(-0.3, 0.3)];
         let size_m = [ends[1] - ends[0], random.uniform_between(0.5, 0.9)];
-        rows.push(piece(FurnitureKind::Shelf, at_m, (size_m, random.uniform_between(1.2, 2.2))));
+        rows.push(FurnitureFile::new(FurnitureKind::Shelf, at_m, (size_m, random.uniform_between(1.2, 2.2))));
     }
     rows
 }
@@ -115,7 +115,7 @@ fn left_behind((mapped, ends): (&Scene, &[(Point2, f32); 2]), random: &mut Pcg32
     let mut piece = FurnitureFile {
         yaw_deg: random.uniform_between(0.0, 360.0),
         appears_s: Some(0.0),
-        ..piece(kind, [0.0, 0.0], (size_m, height_m))
+        ..FurnitureFile::new(kind, [0.0, 0.0], (size_m, height_m))
     };
     let reach_m = piece.reach_m();
     let fits = |place: Point2| ends.iter().all(|(end, room_m)| end.distance(place) > room_m + reach_m);
@@ -125,7 +125,7 @@ fn left_behind((mapped, ends): (&Scene, &[(Point2, f32); 2]), random: &mut Pcg32
 }
 
 fn shut([at_m, width_m]: [f32; 2], appears_s: f32) -> FurnitureFile {
-    let leaf = piece(FurnitureKind::Box, [MIDDLE_M, at_m], ([0.08, width_m], 2.1));
+    let leaf = FurnitureFile::new(FurnitureKind::Box, [MIDDLE_M, at_m], ([0.08, width_m], 2.1));
     FurnitureFile { appears_s: Some(appears_s), ..leaf }
 }
 
@@ -139,15 +139,6 @@ fn walker(mapped: &Scene, random: &mut Pcg32) -> PersonFile {
         sees_robot: true,
         ..PersonFile::default()
     }
-}
-
-pub(super) fn piece(
-    kind: FurnitureKind,
-    at_m: [f32; 2],
-    (size_m, height_m): ([f32; 2], f32),
-) -> FurnitureFile {
-    let material = Material::default();
-    FurnitureFile { kind, at_m, yaw_deg: 0.0, size_m, height_m, from_m: 0.0, material, appears_s: None }
 }
 
 /// Where the robot has room, in any of eight headings.

@@ -8,6 +8,7 @@ use floorguard_sim::scene::Scene;
 use floorguard_types::geometry::{Point2, Pose2};
 
 use super::dead_end_world::DeadEndWorld;
+use super::driving::without_need;
 use super::summary::{RunOutcome, WorldFile};
 use super::watched;
 use crate::world::{Observation, Plan};
@@ -30,17 +31,21 @@ const STANDS: [&str; 2] = ["the robot never became ready", "the robot never move
 /// The search begins and ends at the nearest cell with room, within this, metres.
 const NEAR_M: f32 = 1.2;
 
+/// A wall is found between two places when one of the samples between them is this near to it, metres: half of their spacing.
+const THIN_M: f32 = 0.03;
+
 /// One drive. It fails by a contact, a missed stop, a stand without a true reason, or where it does not arrive although there is a way.
 #[must_use]
 pub fn dead_end_drive(seed: u64) -> RunOutcome {
     let command = format!("floorguard campaign dead-ends --seed {seed} --trials 1");
     match dead_end_observation(seed, |_| {}) {
         Ok((world, observation)) => {
-            let ended = judge(&world, &observation);
+            let ended = judge_dead_end(&world, &observation);
+            let without_need = without_need(&observation);
             let (ending, failure) = (ended.as_ref().ok().copied(), ended.err());
             let world = failure.as_ref().map(|failure| file_of(&world, (seed, failure)));
             let verdict = Some(observation.verdict);
-            RunOutcome { command, failure, verdict, ending, world, ..RunOutcome::default() }
+            RunOutcome { command, failure, verdict, without_need, ending, world }
         }
         Err(error) => RunOutcome { command, failure: Some(format!("{error:#}")), ..RunOutcome::default() },
     }
@@ -77,7 +82,7 @@ pub fn dead_end_observation(
 ///
 /// # Errors
 /// Why it fails.
-pub fn judge(world: &DeadEndWorld, observation: &Observation) -> Result<&'static str, String> {
+pub fn judge_dead_end(world: &DeadEndWorld, observation: &Observation) -> Result<&'static str, String> {
     let verdict = &observation.verdict;
     // That it stands may be right: whether it is, is looked up below.
     if !verdict.passed && verdict.failures.iter().any(|failure| !STANDS.contains(&failure.as_str())) {
@@ -98,7 +103,7 @@ pub fn judge(world: &DeadEndWorld, observation: &Observation) -> Result<&'static
         return Err(format!("it neither arrives nor calls for help: {words}"));
     }
     let robot = observation.robot_path.last().copied().unwrap_or_default();
-    match way_to(world, (robot, drive.took_s as f32)) {
+    match way_to(world, (robot, &observation.came)) {
         Way::Wide => Err(format!("it calls for help although there is a way: {words}")),
         Way::Narrow => Ok("help is called for: the body fits through, but hardly"),
         Way::None => Ok("help is called for: there is no way"),
@@ -116,14 +121,11 @@ pub enum Way {
     None,
 }
 
-/// The best way from a pose at a moment, with all that has come until then.
+/// The best way from a pose, with what has come, by its index among the furniture.
 #[must_use]
-pub fn way_to(world: &DeadEndWorld, (robot, now_s): (Pose2, f32)) -> Way {
-    let file = &world.scenario.scene;
+pub fn way_to(world: &DeadEndWorld, (robot, came): (Pose2, &[usize])) -> Way {
     let here = Point2::new(robot.x_m, robot.y_m);
-    let pieces = file.furniture.iter().enumerate();
-    let has_come = pieces.filter(|(_, piece)| piece.appears_s.is_some_and(|from_s| from_s <= now_s));
-    let scene = file.build_with(&has_come.map(|(index, _)| index).collect::<Vec<usize>>());
+    let scene = world.scenario.scene.build_with(came);
     let goal = Point2::new(world.goal.x_m, world.goal.y_m);
     let leads = |clear_m: f32| leads_to(&scene, (here, goal), clear_m);
     match (leads(WIDE_M), leads(NARROW_M)) {
@@ -145,8 +147,19 @@ fn leads_to(scene: &Scene, (from, to): (Point2, Point2), clear_m: f32) -> bool {
     let has_room =
         |cell: usize| scene.nearest_obstacle(place(cell)).is_none_or(|(_, gap_m)| gap_m >= clear_m);
     let free: Vec<bool> = (0..width * height).map(has_room).collect();
+    // Not through a wall: nothing stands between the place and its cell.
+    let is_open = |from: Point2, to: Point2| {
+        let steps = (from.distance(to) / (0.5 * CELL_M)).ceil().max(1.0) as u32;
+        (0..=steps).all(|step| {
+            let share = step as f32 / steps as f32;
+            let (dx_m, dy_m) = (to.x_m - from.x_m, to.y_m - from.y_m);
+            let at = Point2::new(from.x_m + share * dx_m, from.y_m + share * dy_m);
+            scene.nearest_obstacle(at).is_none_or(|(_, gap_m)| gap_m > THIN_M)
+        })
+    };
     let nearest = |to: Point2| {
-        let near = (0..free.len()).filter(|cell| free[*cell] && place(*cell).distance(to) < NEAR_M);
+        let is_near = |cell: &usize| free[*cell] && place(*cell).distance(to) < NEAR_M;
+        let near = (0..free.len()).filter(is_near).filter(|cell| is_open(place(*cell), to));
         near.min_by(|a, b| place(*a).distance(to).total_cmp(&place(*b).distance(to)))
     };
     let (Some(begin), Some(end)) = (nearest(from), nearest(to)) else { return false };
@@ -185,15 +198,14 @@ mod tests {
         world
     }
 
-    fn way(world: &DeadEndWorld, now_s: f32) -> Way {
-        way_to(world, (world.scenario.start_pose(), now_s))
+    fn way(world: &DeadEndWorld, came: &[usize]) -> Way {
+        way_to(world, (world.scenario.start_pose(), came))
     }
 
-    /// Doors of 1.5 m and more are wide; a column in each leaves too little; both shut leave nothing, from then on.
+    /// Doors of 1.5 m and more are wide; a leaf that takes a third of each leaves too little; both shut leave nothing.
     #[test]
     fn doors_decide_whether_there_is_a_way() {
         let mut world = emptied(1);
-        assert_eq!(way(&world, 0.0), Way::Wide);
         let gaps: Vec<[f32; 2]> = world.scenario.scene.wall[4..]
             .windows(2)
             .map(|pair| [pair[0].to_m[1], pair[1].from_m[1]])
@@ -201,17 +213,32 @@ mod tests {
         assert_eq!(gaps.len(), 2);
         let leaf = |[low, high]: [f32; 2], share: f32| FurnitureFile {
             appears_s: Some(10.0),
-            ..crate::campaign::dead_end_world::piece(
+            ..FurnitureFile::new(
                 FurnitureKind::Box,
                 [10.0, low + 0.5 * share * (high - low)],
                 ([0.1, share * (high - low)], 2.0),
             )
         };
         world.scenario.scene.furniture = gaps.iter().map(|gap| leaf(*gap, 0.3)).collect();
-        assert_eq!((way(&world, 9.0), way(&world, 11.0)), (Way::Wide, Way::Narrow));
+        assert_eq!((way(&world, &[]), way(&world, &[0, 1])), (Way::Wide, Way::Narrow));
         world.scenario.scene.furniture = gaps.iter().map(|gap| leaf(*gap, 1.0)).collect();
-        assert_eq!((way(&world, 9.0), way(&world, 11.0)), (Way::Wide, Way::None));
-        world.scenario.scene.furniture.pop();
-        assert_eq!(way(&world, 11.0), Way::Wide, "the other door is open");
+        assert_eq!((way(&world, &[]), way(&world, &[0, 1])), (Way::Wide, Way::None));
+        assert_eq!(way(&world, &[1]), Way::Wide, "the other door is open");
+        // Beside the shut door, too: the nearest room is not looked for through it.
+        let middle_m = 0.5 * (gaps[0][0] + gaps[0][1]);
+        (world.scenario.start.at_m, world.goal) = ([9.8, middle_m], Pose2::new(10.9, middle_m, 0.0));
+        assert_eq!(way(&world, &[0, 1]), Way::None);
+    }
+
+    /// What is written of a failed drive is its world again.
+    #[test]
+    fn world_of_a_failed_drive_can_be_played() {
+        let world = emptied(3);
+        let WorldFile { name, text } = file_of(&world, (3, "it stands"));
+        assert_eq!(name, "dead-ends-3.toml");
+        let play = "# floorguard simulate --scenario dead-ends-3.toml --seed 3 --navigate 16.00,6.00,0 ";
+        assert!(text.starts_with(play), "{text}");
+        let read = floorguard_sim::scenario::Scenario::from_toml(&text).unwrap();
+        assert_eq!(read.to_toml(), world.scenario.to_toml());
     }
 }

@@ -93,7 +93,7 @@ pub fn drive(place: DrivingPlace, seed: u64) -> RunOutcome {
 }
 
 /// The stops that the judge calls without need: when, where, and why the robot says that it stopped.
-fn without_need(observation: &Observation) -> Vec<String> {
+pub(super) fn without_need(observation: &Observation) -> Vec<String> {
     let of = |at_s: &f64| {
         let apart_s = |stop: &&SeenStop| (stop.at_s - at_s).abs();
         let stop = observation.stops.iter().min_by(|a, b| apart_s(a).total_cmp(&apart_s(b)));
@@ -183,14 +183,8 @@ fn piece(number: u32, random: &mut Pcg32) -> FurnitureFile {
     let yaw_deg = random.uniform_between(0.0, 360.0);
     let between = |random: &mut Pcg32, low: f32, high: f32| random.uniform_between(low, high);
     let of = |kind, size_m, height_m| FurnitureFile {
-        kind,
-        at_m: [0.0, 0.0],
         yaw_deg,
-        size_m,
-        height_m,
-        from_m: 0.0,
-        material: Material::default(),
-        appears_s: None,
+        ..FurnitureFile::new(kind, [0.0, 0.0], (size_m, height_m))
     };
     match number % 10 {
         // Columns, cupboards, cartons, bins.

@@ -23,7 +23,7 @@ pub use contacts::{
     contact_trial_with, taped_contact_trial,
 };
 pub use dead_end_world::DeadEndWorld;
-pub use dead_ends::{Way, dead_end_drive, dead_end_observation, judge as judge_dead_end, way_to};
+pub use dead_ends::{Way, dead_end_drive, dead_end_observation, judge_dead_end, way_to};
 pub use driving::{DRIVE_S, DrivingPlace, drive, rate95};
 pub use encounters::encounter;
 pub use fault_class::random_fault;

@@ -342,4 +342,23 @@ mod tests {
             }
         }
     }
+
+    /// A robot that is towed past its guard runs into what came after the start: the judge knows it.
+    #[test]
+    fn what_comes_later_can_be_touched() {
+        let touched = |appears: &str| {
+            let piece = format!("{{ kind = \"box\", at_m = [3.0, 0.0], size_m = [0.4, 0.4]{appears} }}");
+            let text = format!("title = \"later\"\n[scene]\nfurniture = [{piece}]\n");
+            let plan = Plan::of("later", Scenario::from_toml(&text).unwrap(), 1, 6_000_000).unwrap();
+            let mut simulation = plan.simulation().unwrap();
+            let mut judge = TrueContacts::new(&plan, &simulation).unwrap();
+            simulation.tow(0.6, 0.0);
+            for at_us in (0..6_000_000).step_by(10_000) {
+                simulation.advance_to(at_us, &mut |_| {});
+                judge.observe(&simulation);
+            }
+            judge.report(Some(0.0)).counts.drove_into_things
+        };
+        assert_eq!((touched(""), touched(", appears_s = 0.5"), touched(", appears_s = 60.0")), (1, 1, 0));
+    }
 }

@@ -42,6 +42,8 @@ pub struct Observation {
     pub verdict: Verdict,
     /// Where the robot was.
     pub robot_path: Vec<Pose2>,
+    /// What came into the scene, by its index among the scenario's furniture.
+    pub came: Vec<usize>,
     /// Where each person was, by the person's number.
     pub people_paths: std::collections::BTreeMap<u32, Vec<Point2>>,
     /// The robot's own list of people, five times a second.

@@ -194,6 +194,7 @@ impl<'a> Observer<'a> {
         if let Some(drive) = &mut self.navigation {
             drive.observe(&truth, shared.decision.get(), self.seen.ready_s.is_some());
         }
+        self.seen.came.extend_from_slice(simulation.came().get(self.seen.came.len()..).unwrap_or_default());
         self.swept.touch(truth.robot);
         self.standing.observe(truth.stamp, truth.twist);
         self.record_paths(now_us, &truth);

@@ -110,7 +110,6 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.worlds {
         write_worlds(folder, &summary)?;
     }
-    let is_cut = (summary.runs as u64) < arguments.trials;
     if arguments.json {
         tell!("{}", serde_json::to_string(&summary)?)?;
     } else {
@@ -118,17 +117,21 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
         if matches!(arguments.kind, CampaignKind::Furniture | CampaignKind::EmptyHalls) {
             show_rate(&summary);
         }
-        if is_matrix && !is_cut {
+        if is_matrix && !is_cut(arguments, &summary) {
             show_coverage(trials);
         }
     }
     conclude(arguments, &summary)
 }
 
+/// Somebody ended it before all runs were played.
+const fn is_cut(arguments: &CampaignArguments, summary: &CampaignSummary) -> bool {
+    (summary.runs as u64) < arguments.trials
+}
+
 /// How the command ends.
 fn conclude(arguments: &CampaignArguments, summary: &CampaignSummary) -> anyhow::Result<()> {
-    let is_cut = (summary.runs as u64) < arguments.trials;
-    if is_cut && summary.failures.is_empty() {
+    if is_cut(arguments, summary) && summary.failures.is_empty() {
         let further = match arguments.kind {
             CampaignKind::Faults => "; `cargo xtask campaign faults` goes on where it was cut",
             _ => "",
