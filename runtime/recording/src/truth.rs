@@ -96,6 +96,11 @@ impl<W: Write + Seek> RunRecorder<W> {
     pub fn true_world(&mut self, (at, odometry_in_world): (Stamp, Pose2), things: &[TrueSolid]) {
         let frame = messages::flat_frame(at, ("world", "odom"), odometry_in_world);
         self.write(|out| out.message(topics::TF_STATIC, &schemas::TF_MESSAGE, at, &frame));
+        self.true_things(at, things);
+    }
+
+    /// What stands from now on beside what stood before.
+    pub fn true_things(&mut self, at: Stamp, things: &[TrueSolid]) {
         self.write(|out| out.true_solids(TRUE_THINGS, (at, things)));
     }
 

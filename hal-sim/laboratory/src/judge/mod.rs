@@ -33,7 +33,7 @@ pub use outcome::{Asked, Outcome, Standing};
 pub use shape::distance_to_edge_m;
 pub use stops::{StopJudge, StopReason};
 pub use tour_outcome::TourReport;
-pub use true_world::{TrueContacts, person, setup};
+pub use true_world::{TrueContacts, person, setup, thing};
 pub use truth::{Truth, TruthPerson};
 pub use verdict::{HeardOf, Judge, Verdict};
 pub use zone::TrueZones;

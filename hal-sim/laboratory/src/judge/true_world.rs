@@ -63,7 +63,8 @@ fn job(plan: &Plan) -> judge::Job {
     }
 }
 
-fn thing(part: &PartTruth) -> judge::Thing {
+/// A part of the scene as it is.
+pub fn thing(part: &PartTruth) -> judge::Thing {
     let [x, y, z] = part.centre_m;
     let solid = match part.shape {
         PartShape::Box(half_m) => judge::Solid::Box {

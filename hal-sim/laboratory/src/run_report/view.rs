@@ -1,6 +1,6 @@
 //! The run from above.
 
-use floorguard_sim::scene::{FurnitureKind, SceneFile};
+use floorguard_sim::scene::{FurnitureFile, FurnitureKind, SceneFile};
 use floorguard_types::geometry::Point2;
 
 use crate::world::{Observation, Plan};
@@ -30,7 +30,7 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
             verdict.seed, verdict.duration_s, verdict.distance_m, verdict.stops
         ),
         walls: walls(&plan.scenario.scene),
-        obstacles: furniture(&plan.scenario.scene)
+        obstacles: furniture(&plan.scenario.scene, &observation.came)
             .into_iter()
             .chain(map_boxes(&plan.scenario.scene))
             .collect(),
@@ -42,10 +42,10 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
     }
 }
 
-/// Walls and furniture that people cannot be seen through.
+/// Walls and furniture that people cannot be seen through, as they stand at the begin.
 #[must_use]
 pub fn outlines(scene: &SceneFile) -> Vec<Vec<Point2>> {
-    walls(scene).into_iter().chain(furniture(scene)).collect()
+    walls(scene).into_iter().chain(furniture(scene, &[])).collect()
 }
 
 fn walls(scene: &SceneFile) -> Vec<Vec<Point2>> {
@@ -69,10 +69,13 @@ fn map_boxes(scene: &SceneFile) -> Vec<Vec<Point2>> {
 /// A trolley's basket, metres.
 const TROLLEY_M: [f32; 2] = [0.95, 0.55];
 
-fn furniture(scene: &SceneFile) -> Vec<Vec<Point2>> {
-    let standing = scene.furniture.iter().filter(|piece| piece.kind != FurnitureKind::Ramp);
+/// What stands from the begin on, and what has come, by its index.
+fn furniture(scene: &SceneFile, came: &[usize]) -> Vec<Vec<Point2>> {
+    let is_there = |at: usize, piece: &FurnitureFile| piece.appears_s.is_none() || came.contains(&at);
+    let standing = scene.furniture.iter().enumerate().filter(|(at, piece)| is_there(*at, piece));
     standing
-        .map(|piece| {
+        .filter(|(_, piece)| piece.kind != FurnitureKind::Ramp)
+        .map(|(_, piece)| {
             let [length_m, width_m] =
                 if piece.kind == FurnitureKind::Trolley { TROLLEY_M } else { piece.size_m };
             let (sin, cos) = piece.yaw_deg.to_radians().sin_cos();
@@ -83,4 +86,23 @@ fn furniture(scene: &SceneFile) -> Vec<Vec<Point2>> {
                 .to_vec()
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_has_come_is_drawn() {
+        let mut scene = SceneFile::default();
+        for appears_s in [None, Some(0.0), Some(30.0)] {
+            let size = ([1.0, 1.0], 1.0);
+            let piece = FurnitureFile::new(FurnitureKind::Box, [appears_s.unwrap_or(-9.0), 0.0], size);
+            scene.furniture.push(FurnitureFile { appears_s, ..piece });
+        }
+        let middles = |came: &[usize]| {
+            furniture(&scene, came).iter().map(|box_m| box_m[0].x_m - 0.5).collect::<Vec<f32>>()
+        };
+        assert_eq!((middles(&[]), middles(&[1])), (vec![-9.0], vec![-9.0, 0.0]));
+    }
 }

@@ -1,17 +1,60 @@
 //! The true state of a simulated world as recordings hold it, so that others can judge with programs of their own.
 
 use floorguard_contact_judge as judge;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::truth::{SolidShape, TrueSolid};
 use floorguard_sim::simulation::Simulation;
+use floorguard_types::time::Stamp;
 use parry3d::math::{Rotation, Vector};
 
-use crate::judge::{person, setup};
+use crate::judge::{person, setup, thing};
 use crate::plan::Plan;
 
-/// Everything that stands, and holes in the floor.
-pub(super) fn things(plan: &Plan, simulation: &Simulation) -> Vec<TrueSolid> {
-    let things = setup(plan, simulation).things.into_iter();
+/// From record to record of the true state.
+const TRUTH_US: u64 = 20_000;
+
+/// What of the true state is in the recording.
+#[derive(Default)]
+pub(super) struct TrueRecord {
+    next_us: u64,
+    parts: usize,
+}
+
+impl TrueRecord {
+    /// Writes what stands at the begin.
+    pub(super) fn begin(plan: &Plan, simulation: &Simulation, sinks: &mut RunSinks) -> Self {
+        let begin = (Stamp::from_micros(simulation.now_us()), plan.odometry_in_world());
+        sinks.true_world(begin, || things(setup(plan, simulation).things, 0));
+        Self { next_us: 0, parts: simulation.scene().truth().len() }
+    }
+
+    /// Writes the robot and everybody when it is time, and what has come.
+    pub(super) fn tell(&mut self, now_us: u64, simulation: &Simulation, sinks: &mut RunSinks) {
+        if now_us < self.next_us {
+            return;
+        }
+        self.next_us = now_us + TRUTH_US;
+        let at = Stamp::from_micros(now_us);
+        sinks.true_moment(at, simulation.robot(), || people(simulation));
+        let parts = simulation.scene().truth();
+        if parts.len() > self.parts {
+            sinks.true_things(at, || arrivals(simulation, self.parts));
+            self.parts = parts.len();
+        }
+    }
+}
+
+/// Parts of the scene that came after these; what stood at the begin, and holes in the floor, keep their numbers.
+fn arrivals(simulation: &Simulation, known: usize) -> Vec<TrueSolid> {
+    let scene = simulation.scene();
+    let came = scene.truth().iter().skip(known).map(thing);
+    things(came.collect(), (known + scene.drops().len()) as i32)
+}
+
+/// Things in forms that are drawn, numbered from `first` on.
+fn things(things: Vec<judge::Thing>, first: i32) -> Vec<TrueSolid> {
     things
+        .into_iter()
         .flat_map(|thing| {
             let text = match (thing.kind, thing.surface) {
                 (judge::ThingKind::Drop, _) => "hole",
@@ -21,7 +64,7 @@ pub(super) fn things(plan: &Plan, simulation: &Simulation) -> Vec<TrueSolid> {
             };
             solids((&thing.name, text), &thing.solid)
         })
-        .zip(0..)
+        .zip(first..)
         .map(|(solid, id)| TrueSolid { id, ..solid })
         .collect()
 }
@@ -73,5 +116,32 @@ fn solids((name, text): (&str, &str), solid: &judge::Solid) -> Vec<TrueSolid> {
             vec![one(shape, (from + to) / 2.0, turn), ball(from_m, radius_m), ball(to_m, radius_m)]
         }
         judge::Solid::Ball { centre_m, radius_m } => vec![ball(centre_m, radius_m)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_sim::scenario::Scenario;
+
+    /// A door that shuts gets a number of its own, behind those of what stood before and of the hole.
+    #[test]
+    fn what_comes_later_is_recorded_once() {
+        let text = "title = \"a door\"\n[scene]\ndrop = [{ at_m = [8.0, 0.0], size_m = [1.0, 1.0], depth_m = 1.0 }]\n\
+            furniture = [{ kind = \"box\", at_m = [5.0, 0.0], size_m = [0.1, 1.6], appears_s = 0.1 }, \
+            { kind = \"box\", at_m = [2.0, -3.0], size_m = [0.4, 0.4] }]\n";
+        let plan = Plan::of("door", Scenario::from_toml(text).unwrap(), 1, 1_000_000).unwrap();
+        let mut simulation = plan.simulation().unwrap();
+        let mut sinks = RunSinks::default();
+        let mut record = TrueRecord::begin(&plan, &simulation, &mut sinks);
+        let begin = things(setup(&plan, &simulation).things, 0);
+        let names =
+            |solids: &[TrueSolid]| solids.iter().map(|one| (one.name.clone(), one.id)).collect::<Vec<_>>();
+        let known = [("box 2".to_owned(), 0), ("hole in the floor".to_owned(), 1)];
+        assert_eq!(names(&begin), known);
+        simulation.advance_to(200_000, &mut |_| {});
+        assert_eq!(names(&arrivals(&simulation, record.parts)), [("box 1".to_owned(), 2)]);
+        record.tell(200_000, &simulation, &mut sinks);
+        assert!(arrivals(&simulation, record.parts).is_empty(), "it is recorded");
     }
 }

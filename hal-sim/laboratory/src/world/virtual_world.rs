@@ -16,7 +16,7 @@ use super::operator::Operator;
 use super::outside::spawn_outside;
 use super::planning::{begin_mission, spawn_planning};
 use super::surveying::judge_survey;
-use super::true_state;
+use super::true_state::TrueRecord;
 use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
 use floorguard_host::carriers::PipeReader;
@@ -30,9 +30,6 @@ use floorguard_robot::navigator::NavigationSetup;
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
-
-/// The true state is recorded this often, microseconds.
-const TRUTH_US: u64 = 20_000;
 
 /// The map of seen dirt is reported this often, microseconds.
 const SEEN_DIRT_US: u64 = 5_000_000;
@@ -78,8 +75,8 @@ struct World<'a, 'b> {
     learned: Option<LearningWriter>,
     /// The map of seen dirt is reported again from here on.
     next_map_us: u64,
-    /// The true state is recorded again from here on.
-    next_truth_us: u64,
+    /// What of the true state is recorded.
+    truth: TrueRecord,
     judge_us: u64,
     now_us: u64,
     /// The run ends with the mission.
@@ -120,7 +117,7 @@ fn play(
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::writer),
         next_map_us: 0,
-        next_truth_us: 0,
+        truth: TrueRecord::default(),
         judge_us: 0,
         now_us: 0,
         until_clean: plan.until_clean,
@@ -131,8 +128,7 @@ fn play(
         world.sinks.set_mission(setup);
     }
     world.observer.begin(plan, world.simulation);
-    let begin = (Stamp::from_micros(world.now_us), plan.odometry_in_world());
-    world.sinks.true_world(begin, || true_state::things(plan, world.simulation));
+    world.truth = TrueRecord::begin(plan, world.simulation, world.sinks);
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
@@ -232,7 +228,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             stops.iter().for_each(|stop| world.sinks.stop(stop));
             world.tell_news(&shared, &mut watches);
             world.observer.observe(world.simulation, &shared, &stops);
-            world.tell_truth();
+            world.truth.tell(world.now_us, world.simulation, world.sinks);
             world.observe_floor(&shared)?;
             world.keep_learned();
         }
@@ -329,15 +325,6 @@ impl World<'_, '_> {
         self.sinks.navigation(&progress);
         if progress.phase.is_over() && setup.ends_run() {
             self.sinks.ended.stop();
-        }
-    }
-
-    /// The true state goes into the recording.
-    fn tell_truth(&mut self) {
-        if self.now_us >= self.next_truth_us {
-            self.next_truth_us = self.now_us + TRUTH_US;
-            let (at, robot) = (Stamp::from_micros(self.now_us), self.simulation.robot());
-            self.sinks.true_moment(at, robot, || true_state::people(self.simulation));
         }
     }
 

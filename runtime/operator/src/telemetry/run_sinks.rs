@@ -266,6 +266,13 @@ impl RunSinks {
         }
     }
 
+    /// What has come into a simulated world, if somebody records it.
+    pub fn true_things(&mut self, at: Stamp, things: impl FnOnce() -> Vec<TrueSolid>) {
+        if let Some(recording) = &mut self.recording {
+            recording.true_things(at, &things());
+        }
+    }
+
     /// The true state of a simulated robot and of everybody, if somebody records it.
     pub fn true_moment(
         &mut self,
