@@ -51,7 +51,7 @@ fn arrivals(simulation: &Simulation, known: usize) -> Vec<TrueSolid> {
     things(came.collect(), (known + scene.drops().len()) as i32)
 }
 
-/// Things in forms that are drawn, numbered from `first` on.
+/// Objects in forms that are drawn, numbered from `first` on.
 fn things(things: Vec<judge::Thing>, first: i32) -> Vec<TrueSolid> {
     things
         .into_iter()
