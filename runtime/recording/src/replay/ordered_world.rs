@@ -24,7 +24,7 @@ use super::delivery::delivery;
 use super::scripted_line::ScriptedLine;
 use crate::order::{DecisionRow, OrderEntry, OrderReader, PolledRow, read_entries};
 use crate::{RawStream, Recorded, Recording, octets_of, topics};
-use floorguard_host::executor::{TaskSet, advance_virtual};
+use floorguard_host::executor::{TaskSet, advance_virtual, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::Stages;
 
 /// The robot that is played again.
@@ -118,8 +118,19 @@ struct Stage<'a> {
     ended: bool,
 }
 
-/// Plays the whole recording.
+/// Plays the whole recording on a clock of its own.
 pub(super) fn play_ordered<R: Read>(
+    run: OrderedRun<'_>,
+    recording: &mut Recording<R>,
+    audience: &mut dyn ReplayAudience,
+) -> Result<ReplayOutcome, ReplayError> {
+    use_virtual_clock(0);
+    let outcome = play_entries(run, recording, audience);
+    use_real_clock();
+    outcome
+}
+
+fn play_entries<R: Read>(
     run: OrderedRun<'_>,
     recording: &mut Recording<R>,
     audience: &mut dyn ReplayAudience,

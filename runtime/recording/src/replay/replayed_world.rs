@@ -92,9 +92,7 @@ pub fn replay_recording<R: Read>(
     });
     if texts.get(ORDER).is_some_and(|version| version == ORDER_VERSION) {
         let run = OrderedRun { robot: &robot, stages, learning: learning.as_ref(), imu_baud: baud };
-        use_virtual_clock(0);
         let outcome = play_ordered(run, recording, audience);
-        use_real_clock();
         let learned = learning.and_then(|learning| learning.slot.newest()).map(|(report, _)| report);
         return outcome.map(|outcome| ReplayOutcome { learned, findings, ..outcome });
     }
