@@ -33,6 +33,7 @@ pub mod hesai;
 pub mod inertial;
 pub mod lidar;
 pub mod lidar_link;
+pub mod livox;
 pub mod microscan3;
 pub mod motor_drives;
 pub mod odrive;

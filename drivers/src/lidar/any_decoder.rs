@@ -9,6 +9,7 @@ use super::error::LidarError;
 use super::straight_columns::StraightColumns;
 use crate::hesai;
 use crate::lidar_link;
+use crate::livox;
 use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
@@ -38,6 +39,8 @@ pub enum AnyDecoderOf<P: Profile> {
     Ouster(ouster::DecoderOf<P>),
     /// Any lidar behind a bridge.
     Bridged(lidar_link::DecoderOf<P>),
+    /// Livox Mid-360.
+    Livox(livox::DecoderOf<P>),
 }
 
 /// For the lidars of the target.
@@ -50,6 +53,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Hesai(decoder) => decoder.limit_lasers(lasers_max),
             Self::Ouster(decoder) => decoder.limit_lasers(lasers_max),
             Self::Bridged(decoder) => decoder.limit_lasers(lasers_max),
+            Self::Livox(decoder) => decoder.limit_lasers(lasers_max),
         }
     }
 
@@ -69,6 +73,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Hesai(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
             Self::Ouster(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
             Self::Bridged(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
+            Self::Livox(decoder) => LidarDecoder::decode_datagram(decoder, payload, arrival, out),
         }
     }
 
@@ -78,6 +83,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Hesai(decoder) => LidarDecoder::left_out_block(decoder),
             Self::Ouster(decoder) => LidarDecoder::left_out_block(decoder),
             Self::Bridged(decoder) => LidarDecoder::left_out_block(decoder),
+            Self::Livox(decoder) => LidarDecoder::left_out_block(decoder),
         }
     }
 
@@ -89,6 +95,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Hesai(decoder) => LidarDecoder::known_closed_sector(decoder),
             Self::Ouster(decoder) => LidarDecoder::known_closed_sector(decoder),
             Self::Bridged(decoder) => LidarDecoder::known_closed_sector(decoder),
+            Self::Livox(decoder) => LidarDecoder::known_closed_sector(decoder),
         }
     }
 
@@ -98,6 +105,7 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Hesai(decoder) => LidarDecoder::people_rings(decoder),
             Self::Ouster(decoder) => LidarDecoder::people_rings(decoder),
             Self::Bridged(decoder) => LidarDecoder::people_rings(decoder),
+            Self::Livox(decoder) => LidarDecoder::people_rings(decoder),
         }
     }
 }

@@ -8,6 +8,7 @@ use floorguard_types::time::Stamp;
 use super::error::LidarError;
 use crate::hesai;
 use crate::lidar_link;
+use crate::livox;
 use crate::ouster;
 use crate::velodyne::{self, ClosedSector};
 
@@ -114,5 +115,19 @@ impl<P: Profile> LidarDecoder<P> for lidar_link::DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Bridged)
+    }
+}
+
+impl<P: Profile> LidarDecoder<P> for livox::DecoderOf<P> {
+    /// It has as many rings as a sweep.
+    fn limit_lasers(&mut self, _: u8) {}
+
+    fn decode_datagram(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacketOf<P>,
+    ) -> Result<u16, LidarError> {
+        self.decode_into(payload, arrival, out).map_err(LidarError::Livox)
     }
 }

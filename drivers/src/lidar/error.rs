@@ -1,6 +1,6 @@
 //! Why a datagram gives no columns, for the lidars of all makers.
 
-use crate::{hesai, lidar_link, ouster, velodyne};
+use crate::{hesai, lidar_link, livox, ouster, velodyne};
 
 /// A datagram that gives no columns, or not those of all its blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,8 @@ pub enum LidarError {
     Ouster(ouster::DecodeError),
     /// Of a bridge.
     Bridged(lidar_link::DecodeError),
+    /// Of a Livox.
+    Livox(livox::DecodeError),
 }
 
 impl LidarError {
@@ -32,6 +34,7 @@ impl LidarError {
             (Self::Hesai(one), Self::Hesai(two)) => discriminant(one) == discriminant(two),
             (Self::Ouster(one), Self::Ouster(two)) => discriminant(one) == discriminant(two),
             (Self::Bridged(one), Self::Bridged(two)) => discriminant(one) == discriminant(two),
+            (Self::Livox(one), Self::Livox(two)) => discriminant(one) == discriminant(two),
             _ => false,
         }
     }
@@ -44,6 +47,7 @@ impl core::fmt::Display for LidarError {
             Self::Hesai(error) => error.fmt(f),
             Self::Ouster(error) => error.fmt(f),
             Self::Bridged(error) => error.fmt(f),
+            Self::Livox(error) => error.fmt(f),
         }
     }
 }
