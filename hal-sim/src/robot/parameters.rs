@@ -64,6 +64,11 @@ pub enum LidarDevice {
     Ouster(OusterDevice),
     /// Any lidar of sixteen rings behind a bridge; elevations in thousandths of a degree, the lowest first.
     Bridged(&'static [i32; 16]),
+    /// Livox Mid-360: points all over its field of view.
+    LivoxMid360 {
+        /// On its head.
+        hangs: bool,
+    },
 }
 
 /// What an Ouster is: angles in thousandths of a degree, one of each a beam.

@@ -1,6 +1,6 @@
 //! Whichever lidar the robot carries.
 
-use super::{BridgedLidar, Lidar, Ouster, Pandar, View};
+use super::{BridgedLidar, Lidar, LivoxMid360, Ouster, Pandar, View};
 use crate::robot::LidarDevice;
 use crate::wire::ReturnMode;
 
@@ -15,6 +15,8 @@ pub enum LidarSensor {
     Ouster(Ouster),
     /// Any lidar behind a bridge.
     Bridged(BridgedLidar),
+    /// Livox Mid-360.
+    Livox(LivoxMid360),
 }
 
 impl LidarSensor {
@@ -27,6 +29,7 @@ impl LidarSensor {
             LidarDevice::PandarXt32 => Self::Pandar(Pandar::new(32, seed)),
             LidarDevice::Ouster(device) => Self::Ouster(Ouster::new(device, seed)),
             LidarDevice::Bridged(elevations) => Self::Bridged(BridgedLidar::new(elevations, seed)),
+            LidarDevice::LivoxMid360 { hangs } => Self::Livox(LivoxMid360::new(hangs, seed)),
         }
     }
 
@@ -37,6 +40,8 @@ impl LidarSensor {
             Self::Pandar(lidar) => lidar.coarse(grain),
             Self::Ouster(lidar) => lidar.coarse(grain),
             Self::Bridged(lidar) => lidar.coarse(grain),
+            // Its points are too few to leave any out.
+            Self::Livox(_) => {}
         }
     }
 
@@ -48,6 +53,7 @@ impl LidarSensor {
             Self::Pandar(lidar) => lidar.due_us(),
             Self::Ouster(lidar) => lidar.due_us(),
             Self::Bridged(lidar) => lidar.due_us(),
+            Self::Livox(lidar) => lidar.due_us(),
         }
     }
 
@@ -58,6 +64,7 @@ impl LidarSensor {
             Self::Pandar(lidar) => lidar.measure(view, step_us),
             Self::Ouster(lidar) => lidar.measure(view, step_us),
             Self::Bridged(lidar) => lidar.measure(view, step_us),
+            Self::Livox(lidar) => lidar.measure(view, step_us),
         }
     }
 
@@ -66,7 +73,7 @@ impl LidarSensor {
     pub fn position_packet(&self, now_us: u64) -> Option<Vec<u8>> {
         match self {
             Self::Vlp16(lidar) => Some(lidar.position_packet(now_us)),
-            Self::Pandar(_) | Self::Ouster(_) | Self::Bridged(_) => None,
+            Self::Pandar(_) | Self::Ouster(_) | Self::Bridged(_) | Self::Livox(_) => None,
         }
     }
 }

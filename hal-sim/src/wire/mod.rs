@@ -1,10 +1,11 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Velocity link; book, SCIP 2.0).
+//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Livox; book, Velocity link; book, SCIP 2.0).
 
 mod cola;
 mod event;
 mod hesai;
 mod lidar_link;
+mod livox;
 mod microscan3;
 mod ouster;
 mod rplidar;
@@ -19,6 +20,7 @@ pub use cola::{ColaHeader, cola_binary, cola_scan, cola_scan_binary, cola_telegr
 pub use event::{Payload, Stream, WireEvent};
 pub use hesai::{FIRINGS, PandarPacket};
 pub use lidar_link::ColumnsDatagram;
+pub use livox::LivoxDatagram;
 pub use microscan3::{
     BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
     encode_scan_message, scan_datagrams,

@@ -29,7 +29,11 @@ fn main() -> anyhow::Result<()> {
     anyhow::ensure!(
         !matches!(
             robot.lidar.model,
-            LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_)
+            LidarModel::PandarXt16
+                | LidarModel::PandarXt32
+                | LidarModel::Ouster(_)
+                | LidarModel::Bridged(_)
+                | LidarModel::LivoxMid360(_)
         ),
         "robot.toml: [lidar] the boards decode Velodyne lidars only; write model = \"vlp16\", or run this robot on Linux"
     );

@@ -71,7 +71,11 @@ pub fn bake(robot: &RobotConfiguration) -> String {
 /// A board decodes the lidars of the Velodyne family.
 fn lidar_model(model: LidarModel) -> String {
     match model {
-        LidarModel::PandarXt16 | LidarModel::PandarXt32 | LidarModel::Ouster(_) | LidarModel::Bridged(_) => {
+        LidarModel::PandarXt16
+        | LidarModel::PandarXt32
+        | LidarModel::Ouster(_)
+        | LidarModel::Bridged(_)
+        | LidarModel::LivoxMid360(_) => {
             "compile_error!(\"[lidar]: a microcontroller decodes lidars of the Velodyne family alone\")"
                 .to_owned()
         }

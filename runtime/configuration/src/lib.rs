@@ -45,7 +45,7 @@ pub use coverage::{
 };
 pub use fleet::FleetConfiguration;
 pub use learning::LearningConfiguration;
-pub use lidar::{bridged_keys, ouster_example, ouster_format, ouster_keys};
+pub use lidar::{bridged_keys, livox_keys, ouster_example, ouster_format, ouster_keys};
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use panel::{Consumable, LevelBits, OtherRobot, PanelConfiguration};

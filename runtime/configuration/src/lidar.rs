@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use floorguard_drivers::livox::{DEFAULT_ELEVATIONS_MDEG, HIGHEST_MDEG, LOWEST_MDEG};
 use floorguard_drivers::ouster::{Beams, CHANNELS_MAX, DataFormat};
 use floorguard_runtime::configuration::{LidarConfiguration, LidarModel};
 use floorguard_types::capacities::SWEEP_RINGS;
@@ -24,6 +25,7 @@ enum Chosen {
     Plain(LidarModel),
     Ouster,
     Bridged,
+    Livox,
 }
 
 pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
@@ -37,15 +39,21 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("pandar-xt32", Chosen::Plain(LidarModel::PandarXt32)),
         ("ouster", Chosen::Ouster),
         ("columns", Chosen::Bridged),
+        ("livox-mid360", Chosen::Livox),
     ];
     let model = match section.choice("model", &models) {
         Some(Chosen::Plain(model)) => Some(model),
         Some(Chosen::Ouster) => read_ouster(&section).map(LidarModel::Ouster),
-        Some(Chosen::Bridged) => read_elevations(&section).map(LidarModel::Bridged),
+        Some(Chosen::Bridged) => read_elevations(&section, BRIDGED).map(LidarModel::Bridged),
+        Some(Chosen::Livox) if section.find("elevations_deg").is_some() => {
+            read_elevations(&section, LIVOX).map(LidarModel::LivoxMid360)
+        }
+        Some(Chosen::Livox) => Some(LidarModel::LivoxMid360(&DEFAULT_ELEVATIONS_MDEG)),
         None => None,
     };
     let source = match model {
         Some(LidarModel::Ouster(_)) => read_datagrams(&section, "udp:0.0.0.0:7502"),
+        Some(LidarModel::LivoxMid360(_)) => read_datagrams(&section, "udp:0.0.0.0:56301"),
         _ => read_datagrams(&section, "udp:0.0.0.0:2368"),
     };
     let mounting = read_mounting(section.section("mounting"));
@@ -91,26 +99,42 @@ fn read_ouster(section: &Reader<'_>) -> Option<&'static Beams> {
     Some(Box::leak(Box::new(beams)))
 }
 
-/// Elevations of the rings of a lidar behind a bridge.
-fn read_elevations(section: &Reader<'_>) -> Option<&'static [i32; SWEEP_RINGS]> {
+/// What elevations of rings are allowed, thousandths of a degree, and which to write.
+struct Allowed {
+    mdeg: core::ops::RangeInclusive<i32>,
+    remedy: &'static str,
+}
+
+/// Of a lidar behind a bridge.
+const BRIDGED: Allowed = Allowed {
+    mdeg: -89_000..=89_000,
+    remedy: "let the bridge send those 16 rings that are nearest to -15°, -13° … 15°",
+};
+/// Of the rings that a Livox's points become.
+const LIVOX: Allowed = Allowed {
+    mdeg: LOWEST_MDEG..=HIGHEST_MDEG,
+    remedy: "write 16 elevations between -7° and 52° of its own frame, 2° apart, or leave the key out",
+};
+
+/// Elevations of rings that the robot's file names.
+fn read_elevations(section: &Reader<'_>, allowed: Allowed) -> Option<&'static [i32; SWEEP_RINGS]> {
     let (degrees, span) = section.angles("elevations_deg")?;
     let mdeg: Vec<i32> = degrees.iter().map(|degrees| (degrees * 1_000.0).round() as i32).collect();
-    let rises = mdeg.windows(2).all(|pair| pair[0] < pair[1]) && mdeg.iter().all(|mdeg| mdeg.abs() < 89_000);
     let Ok(elevations) = <[i32; SWEEP_RINGS]>::try_from(mdeg.as_slice()) else {
         let what = format!("[lidar]: `elevations_deg` has {} angles, allowed are {SWEEP_RINGS}", mdeg.len());
-        section.refuse(
-            &span,
-            what,
-            "let the bridge send those 16 rings that are nearest to -15°, -13° … 15°",
-        );
+        section.refuse(&span, what, allowed.remedy);
         return None;
     };
-    if !rises {
-        section.refuse(
-            &span,
-            "[lidar]: `elevations_deg` does not rise",
-            "write the lowest ring first, below 89°",
+    if !mdeg.windows(2).all(|pair| pair[0] < pair[1]) {
+        section.refuse(&span, "[lidar]: `elevations_deg` does not rise", "write the lowest ring first");
+        return None;
+    }
+    if let Some(out) = mdeg.iter().find(|mdeg| !allowed.mdeg.contains(mdeg)) {
+        let what = format!(
+            "[lidar]: `elevations_deg` has {:.1}°, where this lidar has no beam",
+            f64::from(*out) * 1.0e-3
         );
+        section.refuse(&span, what, allowed.remedy);
         return None;
     }
     // A robot has one lidar, and it lives as long as the program.
@@ -165,6 +189,18 @@ pub fn bridged_keys() -> String {
     let elevations: Vec<String> =
         (0..16).map(|ring| format!("{:.1}", -15.0 + 2.0 * f64::from(ring))).collect();
     format!("model = \"columns\"\nelevations_deg = [{}]\n", elevations.join(", "))
+}
+
+/// The keys of `[lidar]` for a Livox Mid-360 on its head, which sees the floor and people: for examples and simulated robots.
+#[must_use]
+pub fn livox_keys() -> String {
+    let elevations: Vec<String> =
+        (0..16).map(|ring| format!("{:.1}", -6.0 + 2.0 * f64::from(ring))).collect();
+    format!(
+        "model = \"livox-mid360\"\nelevations_deg = [{}]\n\
+         mounting = {{ x_m = 0.50, y_m = 0.0, z_m = 0.80, roll_deg = 180.0, pitch_deg = 0.0, yaw_deg = 0.0 }}\n",
+        elevations.join(", ")
+    )
 }
 
 /// A sensor like an OS1 with 32 beams, for examples and simulated robots.

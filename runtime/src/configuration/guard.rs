@@ -193,7 +193,8 @@ impl RobotConfiguration {
             | LidarModel::PandarXt16
             | LidarModel::PandarXt32
             | LidarModel::Ouster(_)
-            | LidarModel::Bridged(_) => None,
+            | LidarModel::Bridged(_)
+            | LidarModel::LivoxMid360(_) => None,
             LidarModel::Vlp16 => Some(Model::Vlp16),
             LidarModel::PuckHiRes => Some(Model::HiRes),
             LidarModel::Vlp32c => Some(Model::Vlp32C),

@@ -2,7 +2,7 @@
 
 use floorguard_drivers::lidar::{AnyDecoder, StraightColumns};
 use floorguard_drivers::velodyne::{self, Model, ModelChoice};
-use floorguard_drivers::{hesai, lidar_link, ouster};
+use floorguard_drivers::{hesai, lidar_link, livox, ouster};
 use floorguard_perception::people::RingAngles;
 use floorguard_types::capacities::{PACKET_RINGS_MAX, SWEEP_RINGS};
 use floorguard_types::number::truncating_u8;
@@ -28,6 +28,7 @@ impl RobotConfiguration {
             LidarModel::Bridged(elevations) => {
                 AnyDecoder::Bridged(lidar_link::Decoder::new(truncating_u8(elevations.len())))
             }
+            LidarModel::LivoxMid360(elevations) => AnyDecoder::Livox(livox::Decoder::new(elevations)),
             _ => {
                 let choice = self.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
                 let lasers = self.lidar_model().map_or(SWEEP_RINGS, Model::lasers);
@@ -48,7 +49,7 @@ impl RobotConfiguration {
             let rings = beams.rings(SWEEP_RINGS.min(PACKET_RINGS_MAX));
             return rings.iter().map(|channel| beams.elevation_deg(*channel)).collect();
         }
-        if let LidarModel::Bridged(elevations) = self.lidar.model {
+        if let LidarModel::Bridged(elevations) | LidarModel::LivoxMid360(elevations) = self.lidar.model {
             return elevations.iter().map(|mdeg| *mdeg as f32 * 1.0e-3).collect();
         }
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
@@ -66,7 +67,7 @@ impl RobotConfiguration {
             LidarModel::Hdl32e => chosen(Model::Hdl32E),
             LidarModel::Auto | LidarModel::Vlp16 => RingAngles::vlp16(),
             LidarModel::Ouster(beams) => ouster_angles(beams),
-            LidarModel::Bridged(elevations) => {
+            LidarModel::Bridged(elevations) | LidarModel::LivoxMid360(elevations) => {
                 let ring = |mdeg: i32| libm::sincosf(radians(mdeg as f32 * 1.0e-3));
                 RingAngles { rings: elevations.map(ring).map(|(sin, cos)| (sin, cos, 0.0)) }
             }

@@ -55,6 +55,9 @@ pub enum LidarModel {
     Ouster(&'static Beams),
     /// Any lidar of 16 rings behind a bridge; elevations in thousandths of a degree, the lowest first. Hosted programs only.
     Bridged(&'static [i32; SWEEP_RINGS]),
+    /// Livox Mid-360; elevations of the rings that its points become, in its own frame, thousandths of a degree, the lowest first.
+    /// Hosted programs only.
+    LivoxMid360(&'static [i32; SWEEP_RINGS]),
 }
 
 /// Three-dimensional lidar.

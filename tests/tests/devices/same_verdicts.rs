@@ -1,6 +1,6 @@
 //! The same worlds driven with each lidar, scanner and base: the judge of contacts, which knows nothing of sensors, says the same.
 
-use floorguard_configuration::{EXAMPLE, bridged_keys, ouster_example, ouster_keys};
+use floorguard_configuration::{EXAMPLE, bridged_keys, livox_keys, ouster_example, ouster_keys};
 use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_laboratory::plan::Plan;
 use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
@@ -72,6 +72,7 @@ fn every_lidar_stops_before_the_board() {
         ("Ouster OS1-32", ouster_keys(&ouster_example())),
         ("Ouster OS2-64", ouster_keys(&os2)),
         ("bridged", bridged_keys()),
+        ("Livox Mid-360", livox_keys()),
     ];
     let (reference_m, contacts) = drive(hazard("board-70"), 9, |plan| plan);
     assert!(reference_m > 2.0 && contacts == 0, "VLP-16: {reference_m} m, {contacts} contacts");

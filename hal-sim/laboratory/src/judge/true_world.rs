@@ -126,6 +126,12 @@ fn beams_of(lidar: LidarDevice) -> (Vec<f32>, f32) {
         LidarDevice::Bridged(elevations) => {
             (elevations.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians()).collect(), 360.0 / 1_024.0)
         }
+        // Its beams wander: half a degree apart they have been everywhere within a fifth of a second.
+        LidarDevice::LivoxMid360 { hangs } => {
+            let side = if hangs { -1.0 } else { 1.0 };
+            let steps = (0..=118_u8).map(|step| (side * (f32::from(step) * 0.5 - 7.0)).to_radians());
+            (steps.collect(), 0.9)
+        }
         LidarDevice::Ouster(device) => {
             let elevations = device.altitude_mdeg.iter().map(|mdeg| (*mdeg as f32 * 1.0e-3).to_radians());
             (elevations.collect(), 360.0 / f32::from(device.columns_per_turn))

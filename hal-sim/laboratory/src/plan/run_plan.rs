@@ -270,13 +270,22 @@ impl Plan {
         Ok(self)
     }
 
-    /// With another lidar in the place of the VLP-16: the keys of `[lidar]` that say which, such as `model = "pandar-xt16"`.
+    /// With another lidar in the place of the VLP-16: the keys of `[lidar]` that say which, such as `model = "pandar-xt16"`, with its
+    /// mounting where that is another.
     ///
     /// # Errors
     /// The example robot cannot carry it.
     pub fn with_lidar(mut self, keys: &str) -> Result<Self, PlanError> {
         let fitted = format!("[lidar]\n{}\n", keys.trim_end());
         self.robot_toml = self.robot_toml.replace("[lidar]\nmodel = \"vlp16\"\n", &fitted);
+        if keys.contains("mounting = ")
+            && let Some((before, after)) = self.robot_toml.split_once(&fitted)
+        {
+            // The example's own mounting is the next line that has one.
+            let (kept, rest) = after.split_once("mounting = ").unwrap_or((after, ""));
+            let rest = rest.split_once('\n').map_or("", |(_, rest)| rest);
+            self.robot_toml = format!("{before}{fitted}{kept}{rest}");
+        }
         self.robot.lidar = parse("robot.toml", &self.robot_toml)?.robot.lidar;
         Ok(self)
     }

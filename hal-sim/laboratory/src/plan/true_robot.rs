@@ -2,9 +2,10 @@
 
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
 use floorguard_drivers::ouster::{Beams, DataFormat};
+use floorguard_perception::people::hangs;
 use floorguard_runtime::configuration::{
-    DriveTrain, ImuModel, LidarModel, Mounting, RangingModel, RobotConfiguration, ScannerConfiguration,
-    ScannerModel,
+    DriveTrain, ImuModel, LidarConfiguration, LidarModel, Mounting, RangingModel, RobotConfiguration,
+    ScannerConfiguration, ScannerModel,
 };
 use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
@@ -47,7 +48,7 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         _ => robot.geometry.ticks_per_m,
     };
     let fitted = RobotParameters {
-        lidar_device: lidar_device(robot.lidar.model),
+        lidar_device: lidar_device(&robot.lidar),
         lidar: if robot.has_lidar { mount(&robot.lidar.mounting) } else { default.lidar },
         scanner: mount(&robot.scanner.mounting),
         scanner_device: scanner_device(robot.scanner.model),
@@ -97,12 +98,13 @@ const fn scanner_device(model: ScannerModel) -> ScannerDevice {
 }
 
 /// The lidar that a robot's file names.
-fn lidar_device(model: LidarModel) -> LidarDevice {
-    match model {
+fn lidar_device(lidar: &LidarConfiguration) -> LidarDevice {
+    match lidar.model {
         LidarModel::PandarXt16 => LidarDevice::PandarXt16,
         LidarModel::PandarXt32 => LidarDevice::PandarXt32,
         LidarModel::Ouster(beams) => LidarDevice::Ouster(ouster(beams)),
         LidarModel::Bridged(elevations) => LidarDevice::Bridged(elevations),
+        LidarModel::LivoxMid360(_) => LidarDevice::LivoxMid360 { hangs: hangs(&lidar.mounting.transform()) },
         _ => LidarDevice::Vlp16,
     }
 }

@@ -1,7 +1,7 @@
 //! What can be chosen for a simulated robot.
 
 use clap::ValueEnum;
-use floorguard_configuration::{bridged_keys, ouster_example, ouster_keys};
+use floorguard_configuration::{bridged_keys, livox_keys, ouster_example, ouster_keys};
 use floorguard_runtime::configuration::{RangingModel, ScannerModel};
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
@@ -59,6 +59,8 @@ pub enum FittedLidar {
     Ouster,
     /// Any lidar of 16 rings behind a bridge.
     Columns,
+    /// Livox Mid-360, on its head.
+    LivoxMid360,
 }
 
 impl FittedLidar {
@@ -71,6 +73,7 @@ impl FittedLidar {
             Self::PandarXt32 => Some("model = \"pandar-xt32\"".to_owned()),
             Self::Ouster => Some(ouster_keys(&ouster_example())),
             Self::Columns => Some(bridged_keys()),
+            Self::LivoxMid360 => Some(livox_keys()),
         }
     }
 }

@@ -162,6 +162,10 @@ fn lidar(configuration: &HostedConfiguration) -> String {
             )
         }
         LidarModel::Bridged(_) => "by columns of a bridge".to_owned(),
+        LidarModel::LivoxMid360([lowest, .., highest]) => {
+            let [lowest, highest] = [lowest, highest].map(|mdeg| f64::from(*mdeg) * 1.0e-3);
+            format!("Livox Mid-360, its points from {lowest:.1}° to {highest:.1}° as 16 rings")
+        }
         _ => robot.lidar_model().map_or("as its packets say", Model::name).to_owned(),
     }
 }
