@@ -1,25 +1,22 @@
 //! Who listens to a run besides its judge: a tape for the emulated board, a recording, the operator's panel.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
+use super::recorded_run::{FileRecorder, IN_REAL_TIME, RECORDED_AT, RecordedRun, open_recording};
 use super::run_link::{LinkMoment, RunLink};
-use super::tape::{Tape, encode_route};
+use super::tape::Tape;
 use crate::panel::{Panel, PanelOrder};
 use floorguard_host::executor::StopFlag;
-use floorguard_host::outcome::BadInput;
 use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
 use floorguard_recording::replay::{LEARNED, MISSION, NAVIGATION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
@@ -35,34 +32,6 @@ use floorguard_robot::navigator::{NavigationPlan, NavigationProgress};
 const DIGEST_EVERY_US: u64 = 1_000_000;
 /// Points of every fifth sweep are enough for display; the raw bytes hold all.
 const CLOUDS_EVERY: u32 = 5;
-/// Bytes on their way to the disk.
-const BUFFER_BYTES: usize = 1 << 20;
-
-/// The threads of a robot in real time are not scheduled the same way twice.
-pub const IN_REAL_TIME: &str = "no: it ran in real time";
-
-/// Name of the text that says when a run in real time began, RFC 3339.
-pub const RECORDED_AT: &str = "recorded_at";
-
-/// What a recording says of the run that it holds.
-#[derive(Clone, Copy, Debug)]
-pub struct RecordedRun<'a> {
-    /// The robot.
-    pub robot: &'a RobotConfiguration,
-    /// Its file.
-    pub robot_toml: &'a str,
-    /// Bit rate of its inertial sensor.
-    pub imu_baud: u32,
-    /// Its cleaning mission, if it has one.
-    pub mission: Option<&'a MissionPlan>,
-    /// Its drive to a goal, if it has one.
-    pub navigation: Option<&'a NavigationPlan>,
-    /// How it learns, if it does.
-    pub learning: Option<&'a LearningSetup>,
-}
-
-/// A recording on its way into a file.
-pub type FileRecorder = RunRecorder<BufWriter<File>>;
 
 /// All sinks of a run; none by default.
 #[derive(Default)]
@@ -388,19 +357,4 @@ impl RunSinks {
         recording.learned(self.learning.newest().map(|(report, _)| report.words()));
         recording.finish(now_us, None).map(drop)
     }
-}
-
-fn open_recording(
-    (path, compression): (&Path, Compression),
-    info: &RunInfo<'_>,
-) -> anyhow::Result<FileRecorder> {
-    let unwritable = |error: &dyn std::fmt::Display| {
-        BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
-    };
-    let file = File::create(path).map_err(|error| unwritable(&error))?;
-    let packed = Recorder::packed(BufWriter::with_capacity(BUFFER_BYTES, file), compression);
-    let mut recorder =
-        packed.and_then(|packed| RunRecorder::over(packed, info)).map_err(|error| unwritable(&error))?;
-    recorder.delivered((0, 0), TapeLine::Route, &encode_route(info.robot));
-    Ok(recorder)
 }
