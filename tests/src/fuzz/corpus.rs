@@ -5,7 +5,7 @@ use floorguard_sim::can::CanFrame;
 use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::wire::{
-    ColaHeader, ColumnsDatagram, OusterPacket, cola_scan, rplidar_capsule, rplidar_descriptor,
+    ColaHeader, ColumnsDatagram, LivoxDatagram, OusterPacket, cola_scan, rplidar_capsule, rplidar_descriptor,
 };
 use floorguard_sim::{Payload, Simulation, Stream};
 
@@ -66,6 +66,20 @@ pub fn bridged_datagrams() -> Vec<Vec<u8>> {
         datagram.into_bytes()
     };
     (0..60).map(datagram).collect()
+}
+
+/// Datagrams of a Livox with few points: one begins 6.4 ms after the other, so that they last for 0.77 s.
+#[must_use]
+pub fn livox_datagrams() -> Vec<Vec<u8>> {
+    let datagram = |number: u16| {
+        let mut datagram = LivoxDatagram::new(9_000_000_000 + u64::from(number) * 6_400_000, number);
+        for point in 0..16_i32 {
+            let side = (i32::from(number) * 7 + point * 3) % 11;
+            datagram.point([2_000 - point * 300, side * 200 - 1_000, 100 * (point % 5)], 30);
+        }
+        datagram.into_bytes(6_000_000)
+    };
+    (0..120).map(datagram).collect()
 }
 
 /// Scans of a SICK TiM.

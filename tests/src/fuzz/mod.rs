@@ -14,5 +14,5 @@ pub mod motors;
 pub mod scanning;
 pub mod worlds;
 
-pub use corpus::{Corpus, bridged_datagrams, cola_scans, ouster_turn, rplidar_turns};
+pub use corpus::{Corpus, bridged_datagrams, cola_scans, livox_datagrams, ouster_turn, rplidar_turns};
 pub use corrupt::{corrupt, pick};

@@ -9,6 +9,7 @@ mod sim_can;
 mod sim_hesai;
 mod sim_hokuyo;
 mod sim_imu;
+mod sim_livox;
 mod sim_microscan3;
 mod sim_ouster;
 mod sim_s300;

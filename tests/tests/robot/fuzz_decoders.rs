@@ -7,8 +7,8 @@ use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
 use floorguard_tests::fuzz::{
-    Corpus, bridged_datagrams, cola_scans, corrupt, decoders, files, messages, motors, ouster_turn, pick,
-    rplidar_turns,
+    Corpus, bridged_datagrams, cola_scans, corrupt, decoders, files, livox_datagrams, messages, motors,
+    ouster_turn, pick, rplidar_turns,
 };
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
@@ -68,6 +68,28 @@ fn fuzz_lidar_link() {
         let mut datagrams: Vec<Vec<u8>> = (0..3).map(|_| pick::<Vec<u8>>(&corpus, random).clone()).collect();
         corrupt(&mut datagrams[1], pick::<Vec<u8>>(&corpus, random), 4_096, random);
         decoders::lidar_link(&datagrams)
+    });
+}
+
+#[test]
+fn fuzz_livox() {
+    let corpus = livox_datagrams();
+    let (before, right) = corpus.split_at(24);
+    campaign(2_000, |random| {
+        // After a turn the decoder gives columns.
+        let mut datagrams = before.to_vec();
+        for datagram in datagrams.iter_mut().skip(18) {
+            if random.seldom(2) {
+                corrupt(datagram, pick::<Vec<u8>>(&corpus, random), 2_048, random);
+                // Without a checksum the damage gets farther in.
+                if random.seldom(2)
+                    && let Some(checksum) = datagram.get_mut(24..28)
+                {
+                    checksum.fill(0);
+                }
+            }
+        }
+        decoders::livox(&datagrams, right)
     });
 }
 
