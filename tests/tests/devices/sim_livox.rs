@@ -105,7 +105,7 @@ fn dropped_livox_datagrams_are_counted() {
     }
     let sent = 2_000_000 / 480;
     let missing = sent - arrived.len();
-    // Those of the first turn are not told apart from those that came.
+    // Losses of the first turn are not counted.
     assert!(missing > 150 && decoder.counters().lost as usize <= missing, "{missing}");
     assert!(decoder.counters().lost as usize + 20 > missing, "{:?} of {missing}", decoder.counters());
 }
