@@ -23,6 +23,7 @@
 extern crate std;
 
 pub mod costmap;
+pub mod docking;
 pub mod explore;
 pub mod global;
 pub mod local;
