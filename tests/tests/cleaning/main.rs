@@ -6,6 +6,7 @@ mod cleaning_reproduce;
 mod cleaning_robot;
 mod dead_ends;
 mod navigation_barn;
+mod navigation_docking;
 mod navigation_drive;
 mod navigation_exploration;
 mod navigation_paths;

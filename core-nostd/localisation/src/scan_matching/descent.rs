@@ -31,6 +31,14 @@ pub struct Guess {
     pub information: Matrix3<f32>,
 }
 
+impl Guess {
+    /// Without odometry: the points alone decide.
+    #[must_use]
+    pub fn without_odometry(start: Pose2) -> Self {
+        Self { start, expected: start, information: Matrix3::zeros() }
+    }
+}
+
 /// Where a descent ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refined {

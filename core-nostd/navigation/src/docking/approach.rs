@@ -9,6 +9,8 @@ use super::config::DockingConfig;
 
 /// A try that ended beyond the place goes back so far at least before the next one, metres.
 const BEYOND_M: f32 = 0.3;
+/// So near to the line, as a share of what counts, nothing has to be done about it any more.
+const NEAR: f32 = 0.7;
 /// A turn ends a little inside of what counts.
 const INSIDE: f32 = 0.4;
 
@@ -83,7 +85,9 @@ impl DockApproach {
         }
         let slowed_mps = libm::sqrtf(2.0 * config.braking_mps2 * left_m);
         let speed_mps = slowed_mps.min(config.speed_mps).max(config.creep_mps);
-        let curvature = self.curvature(robot.y_m, robot.heading_rad);
+        let is_on_line = left_m < config.align_m && libm::fabsf(robot.y_m) < NEAR * config.within_m;
+        let aside_m = if is_on_line { 0.0 } else { robot.y_m };
+        let curvature = self.curvature(aside_m, robot.heading_rad);
         Some(DockStep::Drive(Twist2 { linear_mps: speed_mps, angular_radps: speed_mps * curvature }))
     }
 

@@ -21,6 +21,9 @@ pub struct DockingConfig {
     pub turn_radps: [f32; 2],
     /// Way over which it comes onto the line through the place, metres.
     pub line_m: f32,
+    /// Over the last of the way, metres, only the heading counts once it is near enough to the line: a robot that turns on the spot at
+    /// the end rolls on by more than is allowed.
+    pub align_m: f32,
     /// Sharpest bend on the way, 1/m.
     pub curvature_per_m: f32,
     /// It goes back so far before another try, metres.
@@ -43,6 +46,7 @@ impl DockingConfig {
         response_s: 0.1,
         turn_radps: [0.07, 0.3],
         line_m: 0.18,
+        align_m: 0.15,
         curvature_per_m: 1.5,
         back_m: 1.0,
         tries: 5,

@@ -25,6 +25,9 @@ const UNREASONED_MAX_S: f64 = 3.0;
 /// Allowed beyond the robot's tolerances, for the error of its own place: metres and radians.
 const ALLOWED: (f32, f32) = (0.15, 0.1);
 
+/// A robot that docks stands there within a centimetre and a degree, metres and radians. Nothing is allowed for its own errors.
+const DOCKED: (f32, f32) = (0.01, 0.017_453);
+
 /// What a drive came to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NavigationReport {
@@ -40,6 +43,9 @@ pub struct NavigationReport {
     pub off_goal_m: f32,
     /// From its true heading to that of the goal, degrees.
     pub off_goal_deg: f32,
+    /// The goal is the place where it began, to be met within a centimetre and a degree.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub docks: bool,
     /// What is left of its path, metres, if it has one.
     pub left_m: Option<f32>,
     /// From the moment it could move to the end, seconds.
@@ -73,8 +79,8 @@ impl NavigationReport {
     pub(super) fn shortfall(&self) -> Option<String> {
         if self.false_claim {
             return Some(format!(
-                "the robot says that it is at the goal, and stands {:.2} m and {:.0} degrees off it",
-                self.off_goal_m, self.off_goal_deg
+                "the robot says that it is at the goal, and stands {} off it",
+                self.off_words()
             ));
         }
         if let Some(shortfall) = self.stands_without_reason() {
@@ -88,6 +94,13 @@ impl NavigationReport {
         }
         (!self.reached)
             .then(|| format!("the goal is not reached after {:.0} s: {}", self.took_s, self.reason))
+    }
+
+    fn off_words(&self) -> String {
+        if self.docks {
+            return format!("{:.1} mm and {:.2} degrees", 1_000.0 * self.off_goal_m, self.off_goal_deg);
+        }
+        format!("{:.2} m and {:.0} degrees", self.off_goal_m, self.off_goal_deg)
     }
 
     /// It stood too long and named no true reason.
@@ -112,7 +125,7 @@ impl NavigationReport {
             (Some(exploration), _) => exploration.words(),
             (None, Some(tour)) => tour.words(),
             (None, None) => {
-                format!("{:.2} m and {:.0} degrees off the goal", self.off_goal_m, self.off_goal_deg)
+                format!("{} off the goal", self.off_words())
             }
         };
         format!(
@@ -144,12 +157,14 @@ impl NavigationJudge {
     #[must_use]
     pub fn new(plan: &NavigationPlan) -> Self {
         let within = (plan.settings.within_m + ALLOWED.0, plan.settings.within_rad + ALLOWED.1);
+        let within = if plan.docks { DOCKED } else { within };
+        let last = plan.places_in_map().last().copied().unwrap_or_else(|| plan.goal_pose());
         Self {
-            goal: plan.places_in_map().last().copied().unwrap_or_else(|| plan.goal_pose()),
+            goal: if plan.docks { plan.start_pose() } else { last },
             within,
             newest: None,
             robot: plan.start_pose(),
-            report: NavigationReport::default(),
+            report: NavigationReport { docks: plan.docks, ..NavigationReport::default() },
             standing_s: 0.0,
             stretch_s: 0.0,
             tour: TourJudge::of(&plan.places_in_map(), within),

@@ -223,6 +223,16 @@ impl Plan {
         Ok(plan)
     }
 
+    /// With a goal instead of the route, and back to where the robot began, which it is to meet exactly.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn docking(self, goal_in_map: Pose2) -> Result<Self, PlanError> {
+        let mut plan = self.navigating(goal_in_map)?;
+        plan.navigation = plan.navigation.map(NavigationPlan::docking);
+        Ok(plan)
+    }
+
     /// Driving where somebody outside orders, from its start on.
     ///
     /// # Errors

@@ -28,6 +28,9 @@ pub struct GotoArguments {
     /// Heading there, degrees counter-clockwise from x.
     #[arg(allow_negative_numbers = true, value_parser = coordinate)]
     pub yaw: f32,
+    /// Then come back to where it was switched on, and stand there within a centimetre and a degree, by what its scanner saw there.
+    #[arg(long)]
+    pub dock: bool,
     /// The configuration, with the map in [navigation].
     #[arg(default_value = "robot.toml")]
     pub file: PathBuf,
@@ -44,7 +47,8 @@ pub fn run(arguments: &GotoArguments) -> anyhow::Result<()> {
     let goal = Pose2::new(arguments.x, arguments.y, arguments.yaw.to_radians());
     let GotoArguments { file, outputs, .. } = arguments.clone();
     let json = outputs.json;
-    conclude(&*driven((file, outputs), Errand::Goal(goal))?, json)
+    let errand = if arguments.dock { Errand::Dock(goal) } else { Errand::Goal(goal) };
+    conclude(&*driven((file, outputs), errand)?, json)
 }
 
 /// Runs the robot on an errand of driving, and gives how far it came.
@@ -88,11 +92,13 @@ pub(super) fn navigation_of(
     let refuse = |error: anyhow::Error| BadInput(format!("{}: [navigation]: {error:#}", file.display()));
     let section: Option<&NavigationConfiguration> = configuration.navigation.as_ref();
     let missing = || anyhow::anyhow!("the section is missing; write [navigation] with map = \"hall.yaml\"");
+    let docks = matches!(errand, Errand::Dock(_));
     let orders = matches!(errand, Errand::Ordered).then(DriveOrders::default);
     let plan = match errand {
-        Errand::Goal(goal) => {
+        Errand::Goal(goal) | Errand::Dock(goal) => {
             let section = section.ok_or_else(missing).map_err(refuse)?;
-            NavigationPlan::of_configuration(section, folder, goal)
+            let plan = NavigationPlan::of_configuration(section, folder, goal);
+            plan.map(|plan| if docks { plan.docking() } else { plan })
         }
         Errand::Tour(tour) => {
             let section = section.ok_or_else(missing).map_err(refuse)?;

@@ -121,6 +121,8 @@ fn bind_window(configuration: &HostedConfiguration) -> anyhow::Result<(Option<Wi
 pub(super) enum Errand {
     /// To drive there.
     Goal(Pose2),
+    /// To drive there and back to where it was switched on.
+    Dock(Pose2),
     /// To look from these places, one after another.
     Tour(TourPlaces),
     /// To drive where somebody outside orders.

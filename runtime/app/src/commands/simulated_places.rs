@@ -21,6 +21,9 @@ pub struct PlacesArguments {
     /// Look from each place of this file, one after another, as `tour` does. The run ends behind the last one.
     #[arg(long, value_name = "FILE.csv", group = "driven", conflicts_with_all = ["tape", "strategy", "until_clean", "real_io"])]
     pub tour: Option<PathBuf>,
+    /// With --navigate: then come back to where it began, and stand there within a centimetre and a degree, by what the scanner saw there.
+    #[arg(long, requires = "navigate")]
+    pub dock: bool,
     /// With --navigate or --tour: drive with this planner, whatever [navigation] says.
     #[arg(long, value_enum, requires = "driven")]
     pub planner: Option<DrivingPlanner>,
@@ -45,6 +48,7 @@ impl PlacesArguments {
                 let places = read_places(file)?.of_robot(&plan.robot.lidar.mounting);
                 plan.touring(&places)
             }
+            (None, Some(goal)) if self.dock => Ok(plan.docking(goal)?),
             (None, Some(goal)) => Ok(plan.navigating(goal)?),
             (None, None) => Ok(plan),
         }
@@ -54,6 +58,9 @@ impl PlacesArguments {
     pub(super) fn repeat(&self, option: &mut impl FnMut(&str, &str)) {
         if let Some(goal) = self.navigate {
             option("navigate", &format!("{},{},{}", goal.x_m, goal.y_m, goal.heading_rad.to_degrees()));
+        }
+        if self.dock {
+            option("dock", "");
         }
         if let Some(file) = &self.tour {
             option("tour", &file.display().to_string());

@@ -14,6 +14,7 @@ use floorguard_types::motion::{MovingPerson, Waypoint};
 use floorguard_types::time::Stamp;
 
 use super::course::Course;
+use super::docking::Docking;
 use super::exploring::Exploring;
 use super::goal_search::GoalSearch;
 use super::goals::DriveOrders;
@@ -84,6 +85,7 @@ pub struct Navigator {
     pub(super) orders: Option<DriveOrders>,
     pub(super) goal_number: u32,
     pub(super) tour: Option<Tour>,
+    pub(super) docking: Option<Docking>,
 }
 
 impl Navigator {
@@ -99,8 +101,10 @@ impl Navigator {
         maps.start_at(place_of(plan.start_pose()), model.outline.circumscribed_radius_m());
         let search = GoalSearch::new(maps.geometry(), &model)?;
         let steering = Steering::new(&model, &plan.settings, (maps.window_cells(), plan.seed));
+        let senses = Senses::new(plan, robot, (model.outline.inscribed_radius_m(), survey.as_ref()))?;
         Ok(Self {
-            senses: Senses::new(plan, robot, (model.outline.inscribed_radius_m(), survey.as_ref()))?,
+            docking: plan.docks.then(|| Docking::new(robot, senses.scanner_in_base())),
+            senses,
             exploring: plan.explores.then(|| Exploring::new(maps.geometry())).transpose()?,
             guard: GuardModel::of(robot),
             plan: plan.clone(),
@@ -305,7 +309,10 @@ impl Navigator {
         if self.observe_here(pose, now_s) {
             return Twist2::ZERO;
         }
-        if self.has_arrived(pose) || self.phase.stands() {
+        if let Some(twist) = self.dock() {
+            return twist;
+        }
+        if self.learns_dock() || self.has_arrived(pose) || self.phase.stands() {
             return Twist2::ZERO;
         }
         if self.back.is_empty() {
@@ -361,6 +368,7 @@ impl Mission for Navigator {
                 self.maps.redraw(&scans);
             }
             self.maps.see(sensor, &beams);
+            self.see_dock(scan);
         }
         if let Some(sight) = self.space.take() {
             let rays = self.senses.rays_in_map(&sight, now_s);

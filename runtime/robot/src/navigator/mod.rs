@@ -3,6 +3,8 @@
 
 mod backing;
 mod course;
+mod dock_sight;
+mod docking;
 mod drive;
 mod exploring;
 mod goal_search;

@@ -10,7 +10,7 @@ use super::plan::{Journey, NavigationPlan};
 use super::setup::NavigationSetup;
 
 /// On the way between two poses of an empty hall of 9 × 6 m with walls around.
-fn navigator(start_in_map: Pose2, goal_in_map: Pose2) -> Navigator {
+pub(super) fn navigator(start_in_map: Pose2, goal_in_map: Pose2) -> Navigator {
     let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
     let geometry = GridGeometry::new(180, 120, 0.05, Point2::default()).unwrap();
     let pixel = |cell| {

@@ -79,6 +79,9 @@ pub struct NavigationPlan {
     /// Places to look from after the goal, one after another, as the goal.
     #[serde(default)]
     pub tour: Vec<[f32; 3]>,
+    /// Behind the goal the robot comes back to where it began, and stands exactly there.
+    #[serde(default)]
+    pub docks: bool,
     map: MapRuns,
 }
 
@@ -88,13 +91,28 @@ impl NavigationPlan {
     pub fn on_map(settings: NavigationSettings, journey: Journey, (map, seed): (&OccupancyMap, u64)) -> Self {
         let numbers = |pose: Pose2| [pose.x_m, pose.y_m, pose.heading_rad];
         let (start, goal) = (numbers(journey.start_in_map), numbers(journey.goal_in_map));
-        Self { settings, start, goal, seed, explores: false, tour: Vec::new(), map: MapRuns::of(map) }
+        Self {
+            settings,
+            start,
+            goal,
+            seed,
+            explores: false,
+            tour: Vec::new(),
+            docks: false,
+            map: MapRuns::of(map),
+        }
     }
 
     /// The same, with places to look from after the goal.
     #[must_use]
     pub fn touring(self, places: &[Pose2]) -> Self {
         Self { tour: places.iter().map(|pose| [pose.x_m, pose.y_m, pose.heading_rad]).collect(), ..self }
+    }
+
+    /// The same, and back to where it began.
+    #[must_use]
+    pub fn docking(self) -> Self {
+        Self { docks: true, ..self }
     }
 
     /// From a pose on over floor of which nothing is known, as far as a square of this side around it, metres.

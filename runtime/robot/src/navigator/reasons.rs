@@ -5,6 +5,7 @@ use floorguard_navigation::recovery::{Measure, RecoveryStep};
 use floorguard_runtime::tasks::MissionMoment;
 use floorguard_types::geometry::Twist2;
 
+use super::docking::Docking;
 use super::drive::Navigator;
 use super::exploring::Exploring;
 use super::progress::NavigationPhase;
@@ -22,7 +23,7 @@ pub enum StandingReason {
     Guard(Option<Cause>),
     /// It does something about an obstruction.
     Recovery(RecoveryStep),
-    /// It is where a frontier is in sight, or at a place of a tour, and waits for the scans that show more.
+    /// It is where a frontier is in sight, at a place of a tour, or at its dock, and waits for the scans that show more.
     Looking,
     /// It is at its goal, was given up, or waits for an order.
     Ended,
@@ -63,6 +64,7 @@ impl Navigator {
         match (self.phase, self.step) {
             _ if moment.is_paused => Some(StandingReason::Paused),
             (phase, _) if phase.stands() => Some(StandingReason::Ended),
+            _ if self.docking.as_ref().is_some_and(Docking::has_failed) => Some(StandingReason::Ended),
             (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
                 Some(StandingReason::Recovery(step))
             }
@@ -72,6 +74,7 @@ impl Navigator {
                     .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
             ),
             _ if self.tour.as_ref().is_some_and(Tour::is_looking) => Some(StandingReason::Looking),
+            _ if self.docking.as_ref().is_some_and(Docking::is_looking) => Some(StandingReason::Looking),
             (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
             _ if self.exploring.as_ref().is_some_and(Exploring::is_observing) => {
                 Some(StandingReason::Looking)

@@ -57,6 +57,11 @@ impl Navigator {
     }
 
     fn words(&self, left_m: Option<f32>) -> String {
+        let odometry = self.senses.motion().pose_in_odometry;
+        let docks = self.docking.as_ref().and_then(|docking| docking.words(odometry));
+        if let Some(words) = docks.filter(|_| self.standing.is_none() || self.phase.is_over()) {
+            return words;
+        }
         match (self.phase, self.failure, &self.standing) {
             (NavigationPhase::Explored, ..) => {
                 self.exploring.as_ref().map(Exploring::words).unwrap_or_default()

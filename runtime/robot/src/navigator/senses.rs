@@ -76,6 +76,11 @@ impl Senses {
         })
     }
 
+    /// Where the scanner sits.
+    pub(super) const fn scanner_in_base(&self) -> Pose2 {
+        self.scanner_in_base
+    }
+
     /// Where the robot is believed to be now, map frame.
     pub(super) fn pose(&self) -> Pose2 {
         self.place.pose(self.odometry.pose_in_odometry)
@@ -265,7 +270,7 @@ impl Senses {
     }
 
     /// Where the robot was, by its wheels; now, if nothing is remembered.
-    fn odometry_at(&self, stamp: Stamp) -> Pose2 {
+    pub(super) fn odometry_at(&self, stamp: Stamp) -> Pose2 {
         self.poses.at(stamp).unwrap_or(self.odometry.pose_in_odometry)
     }
 }

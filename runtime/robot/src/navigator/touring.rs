@@ -79,7 +79,7 @@ impl Navigator {
         let stands = is_standing(self.senses.motion().twist);
         let is_free = self.exploring.is_none() && self.tour.is_none();
         let is_there = is_free && stands && self.is_at_goal(pose);
-        if is_there {
+        if is_there && !self.goes_on_to_dock(pose) {
             self.phase = NavigationPhase::Reached;
         }
         is_there
