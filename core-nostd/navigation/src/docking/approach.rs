@@ -30,7 +30,7 @@ enum Phase {
     /// Ahead, onto the place.
     Ahead,
     /// It stands, and has done so for so many commands.
-    Looks(u8),
+    Stands(u8),
     /// On the spot.
     Turns,
     /// Back until x is less than this.
@@ -60,11 +60,11 @@ impl DockApproach {
 
     /// The next command, for the robot at this pose in the frame of the place. Constant cost.
     pub fn step(&mut self, robot_in_dock: Pose2) -> DockStep {
-        // A change of phase gives its first command at once: two changes at most, from a look to a turn that is none.
+        // A change of phase gives its first command at once: two changes at most, from standing to a turn that is not needed.
         for _ in 0..3 {
             let step = match self.phase {
                 Phase::Ahead => self.ahead(robot_in_dock),
-                Phase::Looks(count) => self.look(robot_in_dock, count),
+                Phase::Stands(count) => self.look(robot_in_dock, count),
                 Phase::Turns => self.turn(robot_in_dock),
                 Phase::Back(until_m) => self.back(robot_in_dock, until_m),
             };
@@ -80,7 +80,7 @@ impl DockApproach {
         let left_m = -robot.x_m;
         let config = &self.config;
         if left_m <= config.creep_mps * config.response_s {
-            self.phase = Phase::Looks(0);
+            self.phase = Phase::Stands(0);
             return None;
         }
         let slowed_mps = libm::sqrtf(2.0 * config.braking_mps2 * left_m);
@@ -100,8 +100,8 @@ impl DockApproach {
 
     /// What was reached, after a while of standing: a filter behind the sensors settles meanwhile.
     fn look(&mut self, robot: Pose2, count: u8) -> Option<DockStep> {
-        if count < self.config.looks {
-            self.phase = Phase::Looks(count.saturating_add(1));
+        if count < self.config.stands {
+            self.phase = Phase::Stands(count.saturating_add(1));
             return Some(DockStep::Drive(Twist2::ZERO));
         }
         let within_m = self.config.within_m;
@@ -129,7 +129,7 @@ impl DockApproach {
     fn turn(&mut self, robot: Pose2) -> Option<DockStep> {
         let off_rad = libm::fabsf(robot.heading_rad);
         if off_rad <= INSIDE * self.config.within_rad {
-            self.phase = Phase::Looks(0);
+            self.phase = Phase::Stands(0);
             return None;
         }
         let [slowest, fastest] = self.config.turn_radps;

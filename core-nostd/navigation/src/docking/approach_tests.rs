@@ -98,7 +98,7 @@ fn tries_end() {
 }
 
 #[test]
-fn nothing_moves_while_it_looks() {
+fn nothing_moves_while_it_judges() {
     let mut approach = DockApproach::new(DockingConfig::DEFAULT);
     let mut stands = 0;
     loop {
@@ -113,5 +113,5 @@ fn nothing_moves_while_it_looks() {
             }
         }
     }
-    assert_eq!(stands, DockingConfig::DEFAULT.looks);
+    assert_eq!(stands, DockingConfig::DEFAULT.stands);
 }

@@ -31,7 +31,7 @@ pub struct DockingConfig {
     /// Tries at most.
     pub tries: u8,
     /// It stands for so many commands before it judges what it reached.
-    pub looks: u8,
+    pub stands: u8,
 }
 
 impl DockingConfig {
@@ -50,6 +50,6 @@ impl DockingConfig {
         curvature_per_m: 1.5,
         back_m: 1.0,
         tries: 5,
-        looks: 10,
+        stands: 10,
     };
 }

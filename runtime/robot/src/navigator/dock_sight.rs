@@ -1,7 +1,7 @@
 //! What the scanner saw at the dock, and where the robot stands from there by what it sees now.
 //!
 //! The mean of many scans is kept. A new scan is brought near by a field whose value falls with the distance from what they met, and then
-//! laid onto their lines, to millimetres (book, Navigation: Docking). Between the scans the wheels tell the way.
+//! laid onto their lines, to millimetres (book, Navigation to a goal: Docking). Between the scans the wheels tell the way.
 
 use floorguard_localisation::scan_matching::{DescentConfig, Guess, Panorama, refine};
 use floorguard_mapping::GridGeometry;
