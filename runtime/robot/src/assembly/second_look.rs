@@ -4,7 +4,6 @@ use floorguard_drivers::velodyne::SweepBuilder;
 use floorguard_perception::people::{ClusterLimits, Detection, PeoplePipeline, SweepContext, turn_over};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::capacities::SWEEP_RINGS;
-use floorguard_types::profile::Table as _;
 use floorguard_types::sensing::{LidarPacket, Sweep};
 
 /// Revolutions are cut behind the robot, as those of the first look.
