@@ -9,9 +9,9 @@ const HDL32E: [u8; 16] = [10, 12, 13, 15, 16, 18, 19, 21, 22, 24, 25, 27, 28, 29
 /// Of the rings a third of a degree apart about the horizon every third or fourth.
 const VLP32C: [u8; 16] = [0, 1, 2, 3, 4, 5, 7, 10, 14, 18, 22, 26, 28, 29, 30, 31];
 
-/// For a second look: the other rings from the lowest to the highest chosen one, and of those above the ones nearest to the
+/// For a second look: the six that are left out between the lowest and the highest, and of the others the ten nearest to the
 /// horizon, where people far away are.
-const HDL32E_SECOND: [u8; 16] = [9, 11, 14, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29];
+const HDL32E_SECOND: [u8; 16] = [11, 14, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29];
 /// All others: between 5.3° below the horizon and 3.3° above it.
 const VLP32C_SECOND: [u8; 16] = [6, 8, 9, 11, 12, 13, 15, 16, 17, 19, 20, 21, 23, 24, 25, 27];
 
@@ -60,7 +60,7 @@ mod tests {
     /// Both choices together have every ring from below the horizon to above it, and the second one lies between the first.
     #[test]
     fn second_rings_lie_between_the_first() {
-        for (model, new_min) in [(Model::Hdl32E, 5), (Model::Vlp32C, 16)] {
+        for (model, new_min) in [(Model::Hdl32E, 6), (Model::Vlp32C, 16)] {
             let angles = model.ring_angles();
             let [first, second] = [model.people_rings(), model.second_people_rings()]
                 .map(|choice| choice.expect("of 32 rings"));
