@@ -137,7 +137,7 @@ impl<P: Profile> DecoderOf<P> {
 
     /// From now on sixteen of its beams become rings, and where it has more, those of [`Beams::second_rings`] wait for
     /// [`Self::put_second_rings`].
-    pub fn set_two_looks(&mut self) {
+    pub fn set_second_look(&mut self) {
         let mut chosen = self.beams.rings(SWEEP_RINGS);
         let second = self.beams.second_rings();
         self.has_second = SecondRings::<P>::FIT && !second.is_empty();

@@ -178,7 +178,7 @@ fn second_rings_wait_behind_the_first() {
     let (many, bytes) = of_64_beams();
     let (mut one, mut two) = (Decoder::new(&many), Decoder::new(&many));
     one.set_rings_max(16);
-    two.set_two_looks();
+    two.set_second_look();
     let [one, mut packet] = [&mut one, &mut two].map(|decoder| {
         let (packet, _) = decoder.decode(&bytes, Stamp::from_micros(9_000_000)).unwrap();
         packet

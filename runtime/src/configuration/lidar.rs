@@ -23,7 +23,7 @@ impl RobotConfiguration {
             }
             LidarModel::Ouster(beams) => {
                 let mut decoder = ouster::Decoder::new(beams);
-                decoder.set_two_looks();
+                decoder.set_second_look();
                 AnyDecoder::Ouster(decoder)
             }
             LidarModel::Bridged(elevations) => {

@@ -15,7 +15,7 @@ use floorguard_drivers::ouster::{Beams, DataFormat};
 use rayon::prelude::*;
 
 pub use halls::hall;
-pub use play::{BANDS_M, Band, Counts, looks};
+pub use play::{BANDS_M, Band, Counts, play};
 
 /// Seconds of each run.
 const SECONDS: u64 = 20;
@@ -45,7 +45,7 @@ pub fn lidars() -> [(&'static str, String); 4] {
 /// None in practice: the keys are those of above.
 pub fn totals(keys: &str, seeds: std::ops::Range<u64>, seconds: u64) -> anyhow::Result<[Counts; 2]> {
     let runs: Vec<[Counts; 2]> =
-        seeds.into_par_iter().map(|seed| looks(keys, seed, seconds)).collect::<anyhow::Result<_>>()?;
+        seeds.into_par_iter().map(|seed| play(keys, seed, seconds)).collect::<anyhow::Result<_>>()?;
     let mut totals = [Counts::default(), Counts::default()];
     for run in &runs {
         totals.iter_mut().zip(run).for_each(|(total, counts)| total.add(counts));

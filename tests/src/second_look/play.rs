@@ -87,10 +87,10 @@ impl Counts {
             counts.named += u32::from(named > 0);
             self.twice += u32::from(named > 1);
         }
-        let is_nobody = |track: &&Track| {
+        let is_false = |track: &&Track| {
             truth.people.iter().all(|person| person.position.distance(track.state.position) >= FALSE_M)
         };
-        for track in confirmed().filter(|track| track.person_probability >= 0.5).filter(is_nobody) {
+        for track in confirmed().filter(|track| track.person_probability >= 0.5).filter(is_false) {
             let Some(band) = band(track.state.position) else { continue };
             self.bands[band].false_tracks += 1;
             self.bands[band].false_people += u32::from(track.is_taken_for_person());
@@ -103,14 +103,14 @@ impl Counts {
 ///
 /// # Errors
 /// The keys are refused.
-pub fn looks(keys: &str, seed: u64, seconds: u64) -> anyhow::Result<[Counts; 2]> {
+pub fn play(keys: &str, seed: u64, seconds: u64) -> anyhow::Result<[Counts; 2]> {
     let plan = Plan::of("a hall", hall(seed)?, seed, seconds * 1_000_000)?.with_lidar(keys)?;
     let mut simulation = plan.simulation()?;
     if seed % 2 == 1 {
         simulation.tow(TOWED.0, TOWED.1);
     }
-    let mut looks = [(); 2].map(|()| new_perception(&plan.robot, Stages::All));
-    looks[0].motion.look_once();
+    let mut robots = [(); 2].map(|()| new_perception(&plan.robot, Stages::All));
+    robots[0].motion.look_once();
     let mut counts = [Counts::default(), Counts::default()];
     let mut decoder = plan.robot.lidar_decoder();
     let mut builder = SweepBuilder::new(CUT_CDEG);
@@ -124,7 +124,7 @@ pub fn looks(keys: &str, seed: u64, seconds: u64) -> anyhow::Result<[Counts; 2]>
             let arrival = Stamp::from_micros(event.at_us);
             let Ok(lost) = decoder.decode_datagram(bytes, arrival, &mut packet) else { return };
             decoder.arrange_for_people(&mut packet);
-            looks.iter_mut().for_each(|look| look.motion.note_packet(&packet, lost, false));
+            robots.iter_mut().for_each(|robot| robot.motion.note_packet(&packet, lost, false));
             builder.add(&packet, lost, &mut building, |sweep| complete = Some(Box::new(sweep.clone())));
         });
         let (pose, twist) = simulation.robot();
@@ -138,8 +138,8 @@ pub fn looks(keys: &str, seed: u64, seconds: u64) -> anyhow::Result<[Counts; 2]>
         let mount = simulation.parameters().lidar;
         let viewpoint = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
         let shares = shares_in_sight(&truth, viewpoint);
-        for (look, counts) in looks.iter_mut().zip(&mut counts) {
-            let tracks = follow(look, &sweep, &poses);
+        for (robot, counts) in robots.iter_mut().zip(&mut counts) {
+            let tracks = follow(robot, &sweep, &poses);
             if sweeps > WARM_SWEEPS {
                 counts.take(&tracks, (&truth, &shares, viewpoint));
             }
@@ -149,10 +149,10 @@ pub fn looks(keys: &str, seed: u64, seconds: u64) -> anyhow::Result<[Counts; 2]>
 }
 
 /// The tracks after a sweep.
-fn follow(look: &mut HostedPerception, sweep: &Sweep, poses: &VecDeque<(u64, Pose2, Twist2)>) -> Vec<Track> {
+fn follow(robot: &mut HostedPerception, sweep: &Sweep, poses: &VecDeque<(u64, Pose2, Twist2)>) -> Vec<Track> {
     let end_us = sweep.end_stamp.as_micros();
     let nearest = poses.iter().min_by_key(|(known_us, ..)| known_us.abs_diff(end_us));
     let (_, base_in_odom, twist) = nearest.copied().unwrap_or((0, Pose2::default(), Twist2::ZERO));
-    let context = SweepContext { sensor_in_base: look.sensor_in_base, twist, base_in_odom };
-    look.motion.people(&mut look.people, sweep, &context).tracks.to_vec()
+    let context = SweepContext { sensor_in_base: robot.sensor_in_base, twist, base_in_odom };
+    robot.motion.people(&mut robot.people, sweep, &context).tracks.to_vec()
 }

@@ -20,9 +20,14 @@ use floorguard_tests::second_look::{BANDS_M, Counts, lidars, totals};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
-/// Datagrams on their way, each with the time of its arrival.
+/// A datagram and when it arrives.
+type Sent = (Vec<u8>, Stamp);
+/// Whether a laser has returns.
+type Sees = fn(usize) -> bool;
+
+/// Datagrams on their way.
 #[derive(Clone, Default)]
-struct Wire(Rc<RefCell<VecDeque<(Vec<u8>, Stamp)>>>);
+struct Wire(Rc<RefCell<VecDeque<Sent>>>);
 
 impl DatagramReceiver for Wire {
     type Error = Infallible;
@@ -44,7 +49,7 @@ const PERSON_M: f32 = 9.0;
 const SENSOR_M: f32 = 0.8;
 
 /// Sweeps of an XT-32 of which some lasers see a person and a wall behind; the others have no return at all.
-fn datagrams(seconds: f32, sees: impl Fn(usize) -> bool) -> impl Iterator<Item = (Vec<u8>, Stamp)> {
+fn datagrams(seconds: f32, sees: Sees) -> impl Iterator<Item = Sent> {
     let packets = (seconds * 2_500.0) as u32;
     (0..packets).map(move |number| {
         let end_us = 1_000_000 + 400 * u64::from(number + 1);
@@ -70,7 +75,7 @@ fn datagrams(seconds: f32, sees: impl Fn(usize) -> bool) -> impl Iterator<Item =
 }
 
 /// Who is in the list of people after two seconds, with the robot's own tasks for lidar and perception.
-fn people(sees: impl Fn(usize) -> bool) -> Vec<PersonReport> {
+fn people(sees: Sees) -> Vec<PersonReport> {
     let text = EXAMPLE.replace("model = \"vlp16\"", "model = \"pandar-xt32\"");
     let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
     let shared: Box<Shared<NoopRawMutex>> =
@@ -95,7 +100,7 @@ fn people(sees: impl Fn(usize) -> bool) -> Vec<PersonReport> {
 /// them is there once, too.
 #[test]
 fn person_of_either_look_is_listed_once() {
-    let lasers: [(&str, fn(usize) -> bool); 3] = [
+    let lasers: [(&str, Sees); 3] = [
         ("the first look", |laser| laser % 2 == 0),
         ("the second look", |laser| laser % 2 == 1),
         ("both looks", |_| true),

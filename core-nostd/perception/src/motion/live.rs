@@ -24,8 +24,8 @@ pub fn find_moving_people<'a, P: Profile>(
 }
 
 /// The same with what another pipeline has detected in other rings of the same revolution, see
-/// [`PeoplePipelineOf::find_people_in_two_looks`].
-pub fn find_moving_people_in_two_looks<'a, P: Profile>(
+/// [`PeoplePipelineOf::find_people_with_second_look`].
+pub fn find_moving_people_with_second_look<'a, P: Profile>(
     people: &'a mut PeoplePipelineOf<P>,
     motion: &mut MotionDetectorOf<P>,
     (sweep, context): (&SweepOf<P>, &SweepContext),
@@ -35,7 +35,7 @@ pub fn find_moving_people_in_two_looks<'a, P: Profile>(
     let output = motion.process(people, sweep, context);
     note_verdicts(people, &output);
     let robot = Point2::new(context.base_in_odom.x_m, context.base_in_odom.y_m);
-    people.find_people_in_two_looks(sweep, context, second, |place| output.at(place, robot))
+    people.find_people_with_second_look(sweep, context, second, |place| output.at(place, robot))
 }
 
 /// Each cluster carries its verdict, where there is one.

@@ -8,7 +8,7 @@ use floorguard_drivers::wheel_drives::WheelDrives;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::{GuardConfig, GuardConfigError};
 use floorguard_localisation::odometry::{BaseModel, PoseHistory};
-use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people_in_two_looks};
+use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people_with_second_look};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
@@ -188,7 +188,7 @@ impl JudgeMotion for HostedMotion {
         let second = self.second.as_mut().map_or(&[][..], |second| second.detections(sweep, context));
         let counters = match &mut self.motion {
             Some(motion) => {
-                find_moving_people_in_two_looks(people, motion, (sweep, context), second).counters
+                find_moving_people_with_second_look(people, motion, (sweep, context), second).counters
             }
             None => NoMotion.people(people, sweep, context).counters,
         };

@@ -22,7 +22,7 @@ impl<P: Profile> PeoplePipelineOf<P> {
     /// As [`Self::find_people_moving`], with what another pipeline has detected in other rings of the same revolution. Who was
     /// seen by both is one detection, so the tracker counts one sighting, and a person whom the first look missed is not
     /// missed. Costs detections × detections more.
-    pub fn find_people_in_two_looks(
+    pub fn find_people_with_second_look(
         &mut self,
         sweep: &SweepOf<P>,
         context: &SweepContext,

@@ -45,7 +45,7 @@ fn followed(sweeps: u64, people_m: &[(f32, f32)], second: &[Detection]) -> Box<P
     for number in 0..sweeps {
         sweep.end_stamp = floorguard_types::time::Stamp::from_micros(100_000 * number);
         pipeline.find_clusters(&sweep, &standing());
-        pipeline.find_people_in_two_looks(&sweep, &standing(), second, |_| None);
+        pipeline.find_people_with_second_look(&sweep, &standing(), second, |_| None);
     }
     pipeline
 }
@@ -77,7 +77,7 @@ fn person_of_second_look_alone_is_tracked() {
 }
 
 #[test]
-fn both_looks_decide_about_far_people_alone() {
+fn second_look_counts_for_far_people_alone() {
     for (distance_m, is_joined) in [(4.0, false), (10.0, true)] {
         let people = [(0.0, distance_m)];
         let alone = followed(1, &people, &[]).detections()[0];
