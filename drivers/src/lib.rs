@@ -44,6 +44,7 @@ pub mod rplidar;
 pub mod s300;
 pub mod scan_motor;
 pub mod scip;
+mod second_rings;
 pub mod text_lines;
 pub mod three_wheel_base;
 pub mod vectornav;

@@ -17,6 +17,7 @@ pub mod prediction;
 pub mod removal;
 pub mod reproduce;
 pub mod rgbd;
+pub mod second_look;
 pub mod slam;
 pub mod wired;
 pub mod worst;

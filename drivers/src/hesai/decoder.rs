@@ -9,6 +9,7 @@ use floorguard_types::time::Stamp;
 
 use super::decode_error::DecodeError;
 use super::packet::{BLOCKS, Block, Packet, ReturnMode};
+use crate::second_rings::SecondRings;
 use crate::velodyne::HourClock;
 
 /// From a firing to the next, microseconds (book, Hesai: Times).
@@ -73,10 +74,11 @@ pub struct DecoderOf<P: Profile> {
     lasers_max: u8,
     /// Of an XT-32 every second laser is used.
     is_thinned: bool,
+    /// The others, for a second look for people.
+    second: SecondRings<P>,
     last: Option<Last>,
     clock: HourClock,
     counters: Counters,
-    profile: core::marker::PhantomData<P>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -102,10 +104,10 @@ impl<P: Profile> DecoderOf<P> {
             blind_range_mm: 0,
             lasers_max: truncating_u8(P::Rings::N),
             is_thinned: false,
+            second: SecondRings::EMPTY,
             last: None,
             clock: HourClock::default(),
             counters: Counters::default(),
-            profile: core::marker::PhantomData,
         }
     }
 
@@ -123,10 +125,16 @@ impl<P: Profile> DecoderOf<P> {
     }
 
     /// The same decoder for an XT-32 in the place of an XT-16: of its lasers the uppermost, the third and so on are used, which look
-    /// where those of an XT-16 do.
+    /// where those of an XT-16 do. The others wait for [`Self::put_second_rings`].
     #[must_use]
     pub fn every_second_of_32(self) -> Self {
         Self { is_thinned: true, ..self }
+    }
+
+    /// Puts the other lasers of the newest packet behind those that it has, see [`Self::every_second_of_32`]; each a degree
+    /// below the one that is used. Nothing where every laser is used.
+    pub fn put_second_rings(&self, packet: &mut LidarPacketOf<P>) {
+        self.second.put_into(packet);
     }
 
     /// Packets of a larger lidar are refused from now on.
@@ -214,6 +222,11 @@ impl<P: Profile> DecoderOf<P> {
         // At most eight of the capacity.
         let _ = out.columns.resize(BLOCKS / echoes, LidarColumnOf::SILENT);
         let self_returns = self.convert(&packet, (echoes, skipped_us), out);
+        if SecondRings::<P>::FIT && is_thinned {
+            self.second.take_from(out);
+        } else {
+            self.second.forget();
+        }
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
         Ok(lost)
     }
@@ -241,7 +254,8 @@ impl<P: Profile> DecoderOf<P> {
         Ok(if lost > LOST_MAX { 0 } else { u16::try_from(lost).unwrap_or(0) })
     }
 
-    /// Enters the returns, the nearer of two echoes. Gives the number of self-returns, at most 256.
+    /// Enters the returns, the nearer of two echoes; of an XT-32 of which every second laser is used the others behind them,
+    /// where they fit. Gives the number of self-returns, at most 256.
     fn convert(
         &self,
         packet: &Packet<'_>,
@@ -253,6 +267,7 @@ impl<P: Profile> DecoderOf<P> {
         let every = if out.rings < packet.lasers() { 2 } else { 1 };
         let mut self_returns = 0;
         let (mut later_us, mut before_cdeg) = (0, None);
+        let has_second = SecondRings::<P>::FIT && every == 2;
         for (firing, column) in out.columns.iter_mut().enumerate() {
             *column = LidarColumnOf::SILENT;
             for block in packet.blocks().skip(firing * echoes).take(echoes) {
@@ -261,7 +276,11 @@ impl<P: Profile> DecoderOf<P> {
                 }
                 before_cdeg = Some(block.azimuth_cdeg);
                 column.azimuth_cdeg = block.azimuth_cdeg;
-                self_returns += enter(column, &block, (top, every, blind_raw));
+                self_returns += enter(column, &block, (0, every), (top, blind_raw));
+                if has_second {
+                    let above = top.saturating_add(usize::from(out.rings));
+                    self_returns += enter(column, &block, (1, every), (above, blind_raw));
+                }
             }
             column.offset_us = truncating_u32(firing).saturating_mul(FIRING_US).saturating_add(later_us);
         }
@@ -269,14 +288,15 @@ impl<P: Profile> DecoderOf<P> {
     }
 }
 
-/// Enters one echo of each laser where nothing nearer is. Gives the number of self-returns.
+/// Enters one echo of each laser from a first one on where nothing nearer is. Gives the number of self-returns.
 fn enter<P: Profile>(
     column: &mut LidarColumnOf<P>,
     block: &Block<'_>,
-    (top, every, blind_raw): (usize, usize, u16),
+    (first, every): (usize, usize),
+    (top, blind_raw): (usize, u16),
 ) -> u32 {
     let mut self_returns = 0;
-    for (channel, (raw, reflectivity)) in block.cells().step_by(every).enumerate() {
+    for (channel, (raw, reflectivity)) in block.cells().skip(first).step_by(every).enumerate() {
         if raw == 0 || raw < blind_raw {
             self_returns += u32::from(raw != 0);
             continue;

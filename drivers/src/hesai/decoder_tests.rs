@@ -71,6 +71,45 @@ fn columns_go_up_and_are_timed() {
     assert_eq!(packet.stamp, at(999_800));
 }
 
+/// Of an XT-32 the guard gets the lasers of an XT-16. The others lie a degree below each, and come behind them afterwards.
+#[test]
+fn other_lasers_of_32_wait_behind() {
+    let mut bytes = HEADER.to_vec();
+    (bytes[6], bytes[10]) = (32, 1);
+    for block in 0..8_u16 {
+        bytes.extend((18 * block).to_le_bytes());
+        for laser in 0..32_u16 {
+            bytes.extend((1_000 + laser).to_le_bytes());
+            bytes.extend([laser as u8, 0]);
+        }
+    }
+    let mut tail = TAIL;
+    tail[10] = 0x37;
+    bytes.extend(tail);
+    let mut decoder = Decoder::new().with_lasers_max(16).every_second_of_32();
+    let (mut packet, _) = decoder.decode(&bytes, at(1_000_000)).unwrap();
+    let by_laser = |ring: u16| 1_000 + 2 * (15 - ring);
+    assert_eq!((packet.rings, packet.columns.len()), (16, 8));
+    for column in &packet.columns {
+        assert!((0..16).all(|ring| column.range_raw[usize::from(ring)] == by_laser(ring)));
+        assert!(column.range_raw[16..].iter().all(|raw| *raw == 0));
+    }
+    decoder.put_second_rings(&mut packet);
+    assert_eq!(packet.rings, 32);
+    for column in &packet.columns {
+        assert!((0..16).all(|ring| column.range_raw[usize::from(ring)] == by_laser(ring)));
+        let others = (0..16).zip(&column.range_raw[16..]).zip(&column.reflectivity[16..]);
+        for ((ring, raw), reflectivity) in others {
+            assert_eq!((*raw, u16::from(*reflectivity)), (by_laser(ring) + 1, by_laser(ring) - 999));
+        }
+    }
+    // Of an XT-16 there are no others.
+    let (mut packet, _) = Decoder::new().decode(&recorded(), at(2_000_000)).unwrap();
+    let before = packet.clone();
+    Decoder::new().put_second_rings(&mut packet);
+    assert_eq!(packet, before);
+}
+
 /// Of two echoes the nearer one counts; one of the robot itself does not.
 #[test]
 fn nearer_echo_counts_unless_it_is_the_robot() {

@@ -108,4 +108,16 @@ impl<P: Profile> LidarDecoder<P> for AnyDecoderOf<P> {
             Self::Livox(decoder) => LidarDecoder::people_rings(decoder),
         }
     }
+
+    fn arrange_for_people(&self, packet: &mut LidarPacketOf<P>) {
+        match self {
+            Self::Velodyne(decoder) | Self::Straight(decoder, _) => {
+                LidarDecoder::arrange_for_people(decoder, packet);
+            }
+            Self::Hesai(decoder) => LidarDecoder::arrange_for_people(decoder, packet),
+            Self::Ouster(decoder) => LidarDecoder::arrange_for_people(decoder, packet),
+            Self::Bridged(decoder) => LidarDecoder::arrange_for_people(decoder, packet),
+            Self::Livox(decoder) => LidarDecoder::arrange_for_people(decoder, packet),
+        }
+    }
 }

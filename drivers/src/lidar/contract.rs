@@ -43,6 +43,10 @@ pub trait LidarDecoder<P: Profile> {
     fn people_rings(&self) -> Option<RingChoice> {
         None
     }
+
+    /// Makes of the newest packet, after the guard has judged it, what people are looked for in: the rings of a sweep, and
+    /// behind them those of a second look, where the lidar has more. The packet then says 32 rings.
+    fn arrange_for_people(&self, _packet: &mut LidarPacketOf<P>) {}
 }
 
 impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
@@ -71,6 +75,14 @@ impl<P: Profile> LidarDecoder<P> for velodyne::DecoderOf<P> {
         // Without room for more lasers there is nothing to choose, and no code for it.
         if P::Rings::N > SWEEP_RINGS { self.model()?.people_rings() } else { None }
     }
+
+    fn arrange_for_people(&self, packet: &mut LidarPacketOf<P>) {
+        let Some(first) = LidarDecoder::people_rings(self) else { return };
+        match self.model().and_then(velodyne::Model::second_people_rings) {
+            Some(second) => first.put_before(&second, packet),
+            None => first.keep_in(packet),
+        }
+    }
 }
 
 impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
@@ -85,6 +97,10 @@ impl<P: Profile> LidarDecoder<P> for hesai::DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Hesai)
+    }
+
+    fn arrange_for_people(&self, packet: &mut LidarPacketOf<P>) {
+        self.put_second_rings(packet);
     }
 }
 
@@ -101,6 +117,10 @@ impl<P: Profile> LidarDecoder<P> for ouster::DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, LidarError> {
         self.decode_into(payload, arrival, out).map_err(LidarError::Ouster)
+    }
+
+    fn arrange_for_people(&self, packet: &mut LidarPacketOf<P>) {
+        self.put_second_rings(packet);
     }
 }
 

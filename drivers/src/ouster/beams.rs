@@ -1,5 +1,6 @@
 //! What the metadata of one sensor say: its packets, and where each of its beams looks.
 
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::number::count_f32;
 use heapless::Vec;
 
@@ -11,6 +12,9 @@ pub const SPREAD_MAX: usize = 64;
 const TURN_MDEG: i32 = 360_000;
 /// The elevations among which the stages that find people were made: those of a VLP-16, thousandths of a degree.
 const WANTED_MDEG: [i32; 2] = [-15_000, 15_000];
+
+/// With fewer rings than this that are new a second look is not worth its time.
+const NEW_MIN: usize = 4;
 
 /// How the values of a pixel lie in a packet: `udp_profile_lidar` of the metadata.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -134,6 +138,37 @@ impl Beams {
         chosen
     }
 
+    /// The beams of a second look for people, the lowest first: sixteen, or none. Between the lowest and the highest of
+    /// [`Self::rings`] those that are not among these, the nearest to the horizon first, where people far away are; where
+    /// they are fewer, the nearest to the horizon of these as well. None where fewer than four are new.
+    #[must_use]
+    pub fn second_rings(&self) -> Vec<u8, CHANNELS_MAX> {
+        let first = self.rings(SWEEP_RINGS);
+        let altitude = |channel: &u8| self.altitude_mdeg.get(usize::from(*channel)).copied().unwrap_or(0);
+        let span = first.first().map_or(0, altitude)..=first.last().map_or(0, altitude);
+        let upwards = self.upwards();
+        let is_new = |channel: &&u8| !first.contains(channel) && span.contains(&altitude(channel));
+        if upwards.iter().filter(is_new).count() < NEW_MIN {
+            return Vec::new();
+        }
+        let mut chosen: Vec<u8, CHANNELS_MAX> = Vec::new();
+        for _ in 0..SWEEP_RINGS {
+            let free = || upwards.iter().filter(|channel| !chosen.contains(channel));
+            let nearest = |channel: &&u8| altitude(channel).unsigned_abs();
+            let new = free().filter(is_new).min_by_key(nearest);
+            let next = new.or_else(|| free().filter(|channel| first.contains(channel)).min_by_key(nearest));
+            let Some(channel) = next.copied() else { break };
+            // Fewer than the capacity.
+            let _full = chosen.push(channel);
+        }
+        let mut rings = Vec::new();
+        for channel in upwards.iter().filter(|channel| chosen.contains(*channel)) {
+            // As many as chosen.
+            let _full = rings.push(*channel);
+        }
+        rings
+    }
+
     /// All channels, the lowest first.
     fn upwards(&self) -> Vec<u8, CHANNELS_MAX> {
         let mut order = Vec::new();
@@ -209,6 +244,38 @@ mod tests {
         let found = elevations(&Beams::even(32, (22_500, -22_500)), 16);
         assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
         assert_eq!(elevations(&Beams::even(64, (22_500, -22_500)), 128).len(), 64);
+    }
+
+    /// For each kind: the two choices together have every beam from the lowest to the highest new one, and the new ones lie
+    /// between those of the first.
+    #[test]
+    fn second_rings_lie_between_the_first() {
+        for (channels, half_mdeg, new_min) in [
+            (32, 22_500, 4),
+            (64, 22_500, 16),
+            (128, 22_500, 16),
+            (32, 11_250, 14),
+            (64, 11_250, 16),
+            (64, 45_000, 4),
+            (128, 45_000, 16),
+        ] {
+            let beams = Beams::even(channels, (half_mdeg, -half_mdeg));
+            let (first, second) = (beams.rings(16), beams.second_rings());
+            assert_eq!(second.len(), 16, "{channels} beams");
+            let deg = |channel: &u8| beams.elevation_deg(*channel);
+            assert!(second.windows(2).all(|pair| deg(&pair[0]) < deg(&pair[1])), "{channels} beams");
+            let new: List<f32> = second.iter().filter(|channel| !first.contains(channel)).map(deg).collect();
+            assert!(new.len() >= new_min, "{channels} beams: {new:?}");
+            assert!(new[0] > deg(&first[0]) && new[new.len() - 1] < deg(&first[15]));
+            let middle =
+                (0..channels).filter(|channel| (new[0]..=new[new.len() - 1]).contains(&deg(channel)));
+            for channel in middle {
+                assert!(first.contains(&channel) || second.contains(&channel), "{}", deg(&channel));
+            }
+        }
+        // Nothing new: a sensor of 16 beams, and one whose beams are all wanted for the first look.
+        assert!(Beams::even(16, (15_000, -15_000)).second_rings().is_empty());
+        assert!(Beams::even(18, (15_000, -15_000)).second_rings().is_empty());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! A packet gives the columns that it completes: as far back as the beams look apart. Of two echoes the nearer one is kept: for a
 //! stop the near one counts.
 
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::number::{truncating_u16, truncating_u32};
 use floorguard_types::profile::{Native, Profile, Size};
 use floorguard_types::sensing::LidarPacketOf;
@@ -13,6 +14,7 @@ use super::beams::{Beams, CHANNELS_MAX};
 use super::decode_error::DecodeError;
 use super::packet::Packet;
 use super::staggered::Staggered;
+use crate::second_rings::SecondRings;
 use crate::velodyne::HourClock;
 
 /// Millimetres a count: sixteen bits then reach 262 m.
@@ -81,6 +83,9 @@ pub struct DecoderOf<P: Profile> {
     /// The farthest that a ring looks back, in columns.
     behind: u64,
     staggered: Staggered<P>,
+    /// The rings above the sixteenth are for a second look for people.
+    has_second: bool,
+    second: SecondRings<P>,
     last: Option<Last>,
     clock: HourClock,
     counters: Counters,
@@ -114,6 +119,8 @@ impl<P: Profile> DecoderOf<P> {
             rings: Vec::new(),
             behind: 0,
             staggered: Staggered::EMPTY,
+            has_second: false,
+            second: SecondRings::EMPTY,
             last: None,
             clock: HourClock::default(),
             counters: Counters::default(),
@@ -124,11 +131,33 @@ impl<P: Profile> DecoderOf<P> {
 
     /// From now on at most so many of its beams become rings, see [`Beams::rings`].
     pub fn set_rings_max(&mut self, rings_max: usize) {
-        let chosen = self.beams.rings(rings_max.min(P::Rings::N));
+        self.set_rings(&self.beams.rings(rings_max.min(P::Rings::N)));
+        self.has_second = false;
+    }
+
+    /// From now on sixteen of its beams become rings, and where it has more, those of [`Beams::second_rings`] wait for
+    /// [`Self::put_second_rings`].
+    pub fn set_second_look(&mut self) {
+        let mut chosen = self.beams.rings(SWEEP_RINGS);
+        let second = self.beams.second_rings();
+        self.has_second = SecondRings::<P>::FIT && !second.is_empty();
+        if self.has_second {
+            // Twice 16 of 128.
+            let _ = chosen.extend_from_slice(&second);
+        }
+        self.set_rings(&chosen);
+    }
+
+    /// Puts the second sixteen rings of the newest packet behind those that it has. Nothing without two looks.
+    pub fn put_second_rings(&self, packet: &mut LidarPacketOf<P>) {
+        self.second.put_into(packet);
+    }
+
+    fn set_rings(&mut self, chosen: &[u8]) {
         let shift = |channel: &u8| self.beams.shift(usize::from(*channel));
         let least = chosen.iter().map(shift).min().unwrap_or(0);
         self.rings.clear();
-        for channel in &chosen {
+        for channel in chosen {
             let ahead = u64::from(shift(channel).abs_diff(least));
             // As many as there were asked for, the capacity.
             let _full = self.rings.push(Ring { channel: *channel, ahead });
@@ -136,6 +165,7 @@ impl<P: Profile> DecoderOf<P> {
         // Columns are completed by the ring that looks farthest back.
         self.behind = u64::from(least.min(0).unsigned_abs());
         self.staggered = Staggered::EMPTY;
+        self.second = SecondRings::EMPTY;
     }
 
     /// What happened so far.
@@ -204,6 +234,9 @@ impl<P: Profile> DecoderOf<P> {
         out.range_unit_mm = UNIT_MM;
         out.rings = u8::try_from(self.rings.len()).unwrap_or(u8::MAX);
         self.convert(&packet, (column, timing.column_ns), out);
+        if self.has_second {
+            self.second.take_from(out);
+        }
         Ok(lost)
     }
 

@@ -157,11 +157,9 @@ fn sensors_of_another_kind_are_refused() {
     assert_eq!(decoder.counters().refused, 5);
 }
 
-#[test]
-fn fewer_rings_are_chosen_where_asked() {
+/// A packet of 64 beams of which every one measures 100 counts and its number.
+fn of_64_beams() -> (Beams, Vec<u8>) {
     let many = Beams { format: DataFormat::LowRate, ..Beams::even(64, (22_500, -22_500)) };
-    let mut decoder = Decoder::new(&many);
-    decoder.set_rings_max(16);
     let mut bytes = std::vec![0; Packet::length(&many)];
     bytes[0] = 1;
     for (number, column) in (0_u16..).zip(bytes[32..32 + 16 * 268].chunks_exact_mut(268)) {
@@ -171,6 +169,36 @@ fn fewer_rings_are_chosen_where_asked() {
             pixel[..2].copy_from_slice(&(100 + channel).to_le_bytes());
         }
     }
+    (many, bytes)
+}
+
+/// The guard gets what it gets without a second look; the rings of that one come behind them afterwards.
+#[test]
+fn second_rings_wait_behind_the_first() {
+    let (many, bytes) = of_64_beams();
+    let (mut one, mut two) = (Decoder::new(&many), Decoder::new(&many));
+    one.set_rings_max(16);
+    two.set_second_look();
+    let [one, mut packet] = [&mut one, &mut two].map(|decoder| {
+        let (packet, _) = decoder.decode(&bytes, Stamp::from_micros(9_000_000)).unwrap();
+        packet
+    });
+    assert_eq!(packet, one);
+    two.put_second_rings(&mut packet);
+    assert_eq!(packet.rings, 32);
+    for (column, alone) in packet.columns.iter().zip(&one.columns) {
+        assert_eq!(column.range_raw[..16], alone.range_raw[..16]);
+        for (raw, channel) in column.range_raw[16..].iter().zip(many.second_rings()) {
+            assert_eq!(*raw, 2 * (100 + u16::from(channel)));
+        }
+    }
+}
+
+#[test]
+fn fewer_rings_are_chosen_where_asked() {
+    let (many, bytes) = of_64_beams();
+    let mut decoder = Decoder::new(&many);
+    decoder.set_rings_max(16);
     let (packet, _) = decoder.decode(&bytes, Stamp::from_micros(9_000_000)).unwrap();
     assert_eq!((packet.rings, packet.columns.len()), (16, 16));
     let chosen = many.rings(16);

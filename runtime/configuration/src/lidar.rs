@@ -252,6 +252,44 @@ mod tests {
         }
     }
 
+    /// The rings of the second look are others than those of the first, and between them about the horizon.
+    #[test]
+    fn second_rings_of_each_model_interleave() {
+        let ouster = |channels| {
+            ouster_keys(&Beams { format: DataFormat::Single, ..Beams::even(channels, (22_500, -22_500)) })
+        };
+        let models = [
+            ("model = \"pandar-xt32\"\n".to_owned(), 16),
+            ("model = \"vlp32c\"\n".to_owned(), 16),
+            ("model = \"hdl32e\"\n".to_owned(), 6),
+            (ouster_keys(&ouster_example()), 4),
+            (ouster(64), 16),
+            (ouster(128), 16),
+        ];
+        for (keys, new_min) in models {
+            let robot =
+                parse("robot.toml", &with_ouster(&keys)).unwrap_or_else(|refused| panic!("{refused}")).robot;
+            let first = robot.ring_angles().rings.map(|(sine, ..)| sine);
+            let second = robot.second_ring_angles().unwrap_or_else(|| panic!("{keys}"));
+            let second = second.rings.map(|(sine, ..)| sine);
+            assert!(second.windows(2).all(|pair| pair[0] < pair[1]), "{keys}: lowest first");
+            let new = |sine: &&f32| first.iter().all(|other| (other - **sine).abs() > 1.0e-4);
+            assert!(second.iter().filter(new).count() >= new_min, "{keys}");
+            // Of two neighbours of the first look on either side of the horizon, another one lies between.
+            let below = first.iter().copied().filter(|sine| *sine <= 0.0).fold(-1.0, f32::max);
+            let above = first.iter().copied().filter(|sine| *sine > 0.0).fold(1.0, f32::min);
+            assert!(
+                second.iter().filter(new).any(|sine| (below..above).contains(sine)) || above - below < 0.026,
+                "{keys}"
+            );
+        }
+        for keys in ["model = \"vlp16\"\n", "model = \"pandar-xt16\"\n", "model = \"puck-hi-res\"\n"] {
+            let robot =
+                parse("robot.toml", &with_ouster(keys)).unwrap_or_else(|refused| panic!("{refused}")).robot;
+            assert_eq!(robot.second_ring_angles(), None, "{keys}");
+        }
+    }
+
     #[test]
     fn bridged_lidars_name_their_elevations() {
         let keys = bridged_keys();

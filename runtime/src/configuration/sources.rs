@@ -49,7 +49,8 @@ pub enum LidarModel {
     Hdl32e,
     /// Hesai PandarXT-16.
     PandarXt16,
-    /// Hesai PandarXT-32, of which every second ring is used: those of a PandarXT-16.
+    /// Hesai PandarXT-32, of which every second ring is used: those of a PandarXT-16. In the others people are looked for once
+    /// more.
     PandarXt32,
     /// Ouster OS0, OS1 or OS2, as its metadata say: hosted programs only. They live as long as the program.
     Ouster(&'static Beams),

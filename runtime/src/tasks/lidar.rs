@@ -43,10 +43,8 @@ pub async fn lidar_input<M: RawMutex>(
                 if HAS_TIME {
                     shared.remember(|guard| guard.remember_more(&newest.packet));
                 }
-                // The guard judges every ring; a sweep, in which people are looked for, has fewer than some lidars.
-                if let Some(rings) = decoder.people_rings() {
-                    rings.keep_in(&mut newest.packet);
-                }
+                // The guard has judged its rings; a sweep, in which people are looked for, has fewer than some lidars.
+                decoder.arrange_for_people(&mut newest.packet);
                 shared.packets.push(|slot| slot.copy_from(&newest));
                 let (odd, closed) = (decoder.left_out_block(), decoder.known_closed_sector());
                 if odd.is_some() || closed.is_some() {

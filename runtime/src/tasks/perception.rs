@@ -11,7 +11,7 @@ use floorguard_perception::people::{
     PeopleOutput, PeoplePipeline, PeopleView, SweepContext, Track, hangs, turn_over, turned_over_mounting,
 };
 use floorguard_types::geometry::{Point2, Pose2, Transform3, Twist2};
-use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::sensing::{LidarPacket, Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::advise::advice;
@@ -30,6 +30,10 @@ pub trait JudgeMotion {
         sweep: &Sweep,
         context: &SweepContext,
     ) -> PeopleOutput<'a>;
+
+    /// A packet on its way into the sweep, and how many are missing before it: what looks at the rings that a sweep does not
+    /// have takes them from here. `hangs` tells that the lidar hangs upside down.
+    fn note_packet(&mut self, _packet: &LidarPacket, _lost_before: u16, _hangs: bool) {}
 
     /// Probability that a track is a person, by what the robot has learned itself; `None` where that is nothing. The list
     /// of people goes by it; the guard hears of it only where it adds a person.
@@ -164,6 +168,7 @@ pub async fn perceive<M: RawMutex, D: JudgeMotion, L: FindPeopleByLegs>(
             continue;
         }
         let PerceptionState { building, people, motion, history, sensor_in_base, .. } = &mut *state;
+        motion.note_packet(&queued.packet, queued.lost_before, hangs);
         builder.add(&queued.packet, queued.lost_before, building, |sweep| {
             let Ok(base_in_odom) = history.at(sweep.end_stamp) else {
                 unposed[0] = unposed[0].saturating_add(1);

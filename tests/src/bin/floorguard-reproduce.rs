@@ -50,6 +50,7 @@ fn main() -> ExitCode {
         "revisits" => floorguard_tests::removal::people_revisits(trials, folder),
         "slam3d" => floorguard_tests::slam::slam_in_space(folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
+        "second-look" => floorguard_tests::second_look::second_look(trials, folder),
         "online-learning" => floorguard_tests::online::online_learning(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");

@@ -19,6 +19,7 @@ use rayon::prelude::*;
 pub use causes::{Causes, Lost};
 pub use play::{Followers, Following, Seen, follow, play, play_all};
 pub use scenes::{CROWDS, CrowdScene, WalkPattern};
+pub use sight::shares_in_sight;
 
 /// Seconds of each run.
 pub const SECONDS: u64 = 30;

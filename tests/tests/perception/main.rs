@@ -20,6 +20,7 @@ mod people_filters;
 mod people_fusion;
 mod people_online;
 mod people_removal;
+mod people_second_look;
 mod people_svm;
 mod people_synthetic;
 mod rgbd_people;

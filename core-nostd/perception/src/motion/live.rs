@@ -1,7 +1,7 @@
 //! Everything about a sweep at once: objects, which of them move, people, tracks that know whether they move.
 
 use super::detector::{MotionDetectorOf, MotionOutput};
-use crate::people::{PeopleOutputOf, PeoplePipelineOf, SweepContext};
+use crate::people::{DetectionOf, PeopleOutputOf, PeoplePipelineOf, SweepContext};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
@@ -18,13 +18,32 @@ pub fn find_moving_people<'a, P: Profile>(
 ) -> PeopleOutputOf<'a, P> {
     people.find_clusters(sweep, context);
     let output = motion.process(people, sweep, context);
+    note_verdicts(people, &output);
+    let robot = Point2::new(context.base_in_odom.x_m, context.base_in_odom.y_m);
+    people.find_people_moving(sweep, context, |place| output.at(place, robot))
+}
+
+/// The same with what another pipeline has detected in other rings of the same revolution, see
+/// [`PeoplePipelineOf::find_people_with_second_look`].
+pub fn find_moving_people_with_second_look<'a, P: Profile>(
+    people: &'a mut PeoplePipelineOf<P>,
+    motion: &mut MotionDetectorOf<P>,
+    (sweep, context): (&SweepOf<P>, &SweepContext),
+    second: &[DetectionOf<P>],
+) -> PeopleOutputOf<'a, P> {
+    people.find_clusters(sweep, context);
+    let output = motion.process(people, sweep, context);
+    note_verdicts(people, &output);
+    let robot = Point2::new(context.base_in_odom.x_m, context.base_in_odom.y_m);
+    people.find_people_with_second_look(sweep, context, second, |place| output.at(place, robot))
+}
+
+/// Each cluster carries its verdict, where there is one.
+fn note_verdicts<P: Profile>(people: &mut PeoplePipelineOf<P>, output: &MotionOutput<'_>) {
     let is_known = output.judged_within_m.is_some();
     people.note_motion(
         output.verdicts.iter().map(|verdict| (is_known && verdict.judged).then_some(verdict.moving)),
     );
-    let robot = context.base_in_odom;
-    let robot = Point2::new(robot.x_m, robot.y_m);
-    people.find_people_moving(sweep, context, |place| output.at(place, robot))
 }
 
 impl MotionOutput<'_> {

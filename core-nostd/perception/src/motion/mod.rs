@@ -17,6 +17,6 @@ mod voxels;
 pub use confidence::MovingObject;
 pub use correspondence::MotionObject;
 pub use detector::{MotionCounters, MotionDetector, MotionDetectorOf, MotionOutput, Verdict};
-pub use live::find_moving_people;
+pub use live::{find_moving_people, find_moving_people_with_second_look};
 pub use parameters::{CHAIN_MAX, MotionParameters};
 pub use parts::Part;

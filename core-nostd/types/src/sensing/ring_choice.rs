@@ -1,4 +1,4 @@
-//! The rings of a large lidar in which people are looked for: as many as a sweep has.
+//! The rings of a large lidar in which people are looked for: as many as a sweep has, and as many again for a second look.
 
 use super::lidar_packet::LidarPacketOf;
 use crate::capacities::SWEEP_RINGS;
@@ -46,6 +46,28 @@ impl RingChoice {
             keep(&self.rings, column.reflectivity.as_mut());
         }
         packet.rings = packet.rings.min(16);
+    }
+
+    /// Puts these rings in front, those of a second look behind them, and takes the others out. Rings may be in both. Costs
+    /// the columns of the packet. Whatever has no place for twice as many rings keeps the first ones alone.
+    pub fn put_before<P: Profile>(&self, second: &Self, packet: &mut LidarPacketOf<P>) {
+        for column in &mut packet.columns {
+            arrange([&self.rings, &second.rings], column.range_raw.as_mut());
+            arrange([&self.rings, &second.rings], column.reflectivity.as_mut());
+        }
+        packet.rings = 32;
+    }
+}
+
+/// Entries of both choices, one behind the other.
+fn arrange<T: Copy + Default>(choices: [&[u8; SWEEP_RINGS]; 2], entries: &mut [T]) {
+    let mut before = [T::default(); 2 * SWEEP_RINGS];
+    for (to, from) in before.iter_mut().zip(entries.iter()) {
+        *to = *from;
+    }
+    let rings = choices.into_iter().flatten();
+    for (entry, ring) in entries.iter_mut().zip(rings) {
+        *entry = before.get(usize::from(*ring)).copied().unwrap_or_default();
     }
 }
 

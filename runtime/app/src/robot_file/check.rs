@@ -149,14 +149,16 @@ fn lidar(configuration: &HostedConfiguration) -> String {
     match robot.lidar.model {
         _ if !robot.has_lidar => "none".to_owned(),
         LidarModel::PandarXt16 => "PandarXT-16".to_owned(),
-        LidarModel::PandarXt32 => "PandarXT-32, every second ring".to_owned(),
+        LidarModel::PandarXt32 => "PandarXT-32, every second ring, people in the others once more".to_owned(),
         LidarModel::Ouster(beams) => {
             let rings = beams.rings(SWEEP_RINGS);
             let limits =
                 [rings.first(), rings.last()].map(|ring| ring.map_or(0.0, |ring| beams.elevation_deg(*ring)));
             let [lowest, highest] = limits;
+            let second = beams.second_rings();
+            let more = if second.is_empty() { "" } else { ", people in 16 between these once more" };
             format!(
-                "Ouster with {} beams, {} of them from {lowest:.1}° to {highest:.1}°",
+                "Ouster with {} beams, {} of them from {lowest:.1}° to {highest:.1}°{more}",
                 beams.channels,
                 rings.len()
             )

@@ -7,6 +7,7 @@ mod latch_file;
 mod legs;
 mod links;
 mod rings;
+mod second_look;
 mod spawn;
 mod stop_files;
 mod tap;
@@ -18,6 +19,7 @@ pub use latch_file::{LatchFile, latched_words};
 pub use legs::HostedLegs;
 pub use links::{Links, Missing, ScannerLink};
 pub use rings::{HostedShared, StopsAtEnd, run_rings};
+pub use second_look::SecondLook;
 pub use spawn::{
     GuardCarriers, HostedMotion, HostedPerception, ScannerCarrier, Stages, guard_for, new_perception,
     new_shared, new_shared_for, spawn_guard_ring, spawn_mission_ring, spawn_perception_ring,

@@ -8,7 +8,7 @@ use floorguard_drivers::wheel_drives::WheelDrives;
 use floorguard_drivers::{microscan3, s300};
 use floorguard_guard::{GuardConfig, GuardConfigError};
 use floorguard_localisation::odometry::{BaseModel, PoseHistory};
-use floorguard_perception::motion::{MotionDetector, MotionParameters};
+use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people_with_second_look};
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
@@ -22,12 +22,13 @@ use floorguard_runtime::tasks::{
     ranging_scanner, rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
 };
 use floorguard_types::geometry::Point2;
-use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::sensing::{LidarPacket, Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::guard_task::GuardTask;
 use super::inbox::PeopleInbox;
 use super::legs::HostedLegs;
+use super::second_look::SecondLook;
 use super::tap::Tap;
 use crate::learning::{LearningSetup, PeopleLearner};
 use crate::navigator::{BodyExtent, SpaceInbox, sight_of};
@@ -136,10 +137,11 @@ pub struct HostedMotion {
     space: Option<SpaceInbox>,
     body: BodyExtent,
     learner: Option<PeopleLearner>,
+    second: Option<Box<SecondLook>>,
 }
 
 impl HostedMotion {
-    fn new(stages: Stages, outline: &[Point2]) -> Self {
+    fn new(stages: Stages, outline: &[Point2], second: Option<Box<SecondLook>>) -> Self {
         let runs = stages == Stages::All;
         let motion = runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED)));
         Self {
@@ -148,7 +150,13 @@ impl HostedMotion {
             space: None,
             body: BodyExtent::of(outline),
             learner: None,
+            second,
         }
+    }
+
+    /// From now on people are looked for in the rings of a sweep alone.
+    pub fn look_once(&mut self) {
+        self.second = None;
     }
 
     /// From now on what comes in there goes into the list of people, too.
@@ -177,8 +185,11 @@ impl JudgeMotion for HostedMotion {
         for view in self.inbox.take_all() {
             people.add_view(&view);
         }
+        let second = self.second.as_mut().map_or(&[][..], |second| second.detections(sweep, context));
         let counters = match &mut self.motion {
-            Some(motion) => motion.people(people, sweep, context).counters,
+            Some(motion) => {
+                find_moving_people_with_second_look(people, motion, (sweep, context), second).counters
+            }
             None => NoMotion.people(people, sweep, context).counters,
         };
         if let Some(space) = &self.space {
@@ -188,6 +199,12 @@ impl JudgeMotion for HostedMotion {
             learner.observe(people, sweep.end_stamp);
         }
         PeopleOutput { clusters: people.clusters(), tracks: people.tracks(), counters }
+    }
+
+    fn note_packet(&mut self, packet: &LidarPacket, lost_before: u16, hangs: bool) {
+        if let Some(second) = &mut self.second {
+            second.note_packet(packet, lost_before, hangs);
+        }
     }
 
     fn learned(&self, track: &Track) -> Option<f32> {
@@ -204,12 +221,13 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         Stages::All => (ClusterLimits::DEFAULT, TrackerParameters::DEFAULT),
         Stages::AsOnBoard => (ClusterLimits::AS_ON_BOARD, TrackerParameters::AS_ON_BOARD),
     };
+    let second = (stages == Stages::All).then(|| SecondLook::of_robot(robot)).flatten();
     let mut people = PeoplePipeline::with_tracker(robot.ring_angles(), tracker);
     people.cluster_limits = clusters;
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
         people,
-        motion: HostedMotion::new(stages, &robot.geometry.footprint),
+        motion: HostedMotion::new(stages, &robot.geometry.footprint, second),
         legs: HostedLegs::of_robot(robot, stages),
         scan: Scan::EMPTY,
         history: PoseHistory::new(),

@@ -52,6 +52,8 @@ enum Experiment {
     /// Simulated drives of a spinning lidar through two real floor plans: absolute errors beside those of other programs.
     #[value(name = "slam3d")]
     SlamInSpace,
+    /// People looked for in sixteen rings of large lidars, and in sixteen more; a trial is a hall.
+    SecondLook,
     /// What a robot learns about people in new places, precision and recall over time; a trial is a minute.
     OnlineLearning,
 }
@@ -72,6 +74,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::PeopleRemoval => ("people-removal", 10),
         Experiment::Revisits => ("revisits", 10),
         Experiment::SlamInSpace => ("slam3d", 1),
+        Experiment::SecondLook => ("second-look", 40),
         Experiment::OnlineLearning => ("online-learning", 3),
         // Of fewer rooms the share of legs alone that are right is left to chance: 12 of 17 with 60.
         Experiment::RgbdPeople => ("rgbd-people", 400),

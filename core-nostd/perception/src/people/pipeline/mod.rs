@@ -5,6 +5,7 @@ mod candidates;
 mod context;
 mod describe;
 mod find_clusters;
+mod second_look;
 mod sharing;
 mod state;
 mod upper_bodies;

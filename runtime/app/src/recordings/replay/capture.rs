@@ -2,14 +2,16 @@
 
 use std::time::{Duration, Instant};
 
+use floorguard_drivers::lidar::{LidarDecoder as _, StraightColumns};
 use floorguard_drivers::microscan3;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_perception::people::RingAngles;
+use floorguard_runtime::configuration::LidarModel;
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::Pose2;
+use floorguard_types::profile::Native;
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
-use super::many_rings::ManyRings;
 use super::recorded::Recorded;
 use super::rows::{FrameRow, print};
 use super::stages::RobotStages;
@@ -27,16 +29,13 @@ const CUT_CDEG: u16 = 18_000;
 /// So many datagrams tell whether a scanner sends.
 const LOOK_AHEAD: usize = 2_000;
 
-/// What makes sweeps of packets.
-enum Cutter {
-    Sixteen(SweepBuilder, Box<Sweep<16>>),
-    Many(ManyRings),
-}
-
 /// The lidar of a capture.
 struct Lidar {
     decoder: Decoder,
-    cutter: Cutter,
+    /// Of one whose lasers look beside their columns.
+    straight: Option<StraightColumns<Native>>,
+    builder: SweepBuilder,
+    building: Box<Sweep>,
     refusal: Option<String>,
     odd_block: Option<String>,
 }
@@ -73,8 +72,8 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         failed: Ok(()),
         recorded: Recorded::open(&arguments.file, arguments.record.as_deref())?,
     };
-    if let Some(angles) = lidar.as_ref().and_then(Lidar::rings) {
-        player.stages.set_rings(angles);
+    if let Some(lidar) = &lidar {
+        player.stages.set_lidar(lidar.model());
     }
     let mut scanner = Box::new(microscan3::Receiver::new(microscan3::Configuration::default()));
     let mut pace = Pace { enabled: arguments.realtime, start: None };
@@ -112,35 +111,37 @@ fn holds_a_scanner(arguments: &ReplayArguments) -> anyhow::Result<bool> {
 
 impl Lidar {
     fn new(model: Model) -> Self {
-        let cutter = match model {
-            Model::Vlp16 | Model::HiRes => {
-                Cutter::Sixteen(SweepBuilder::new(CUT_CDEG), Box::new(Sweep::<16>::EMPTY))
-            }
-            Model::Vlp32C | Model::Hdl32E => {
-                say!(
-                    "a {} has 32 rings; the robot's stages take 16 of them, spread over its view",
-                    model.name()
-                );
-                Cutter::Many(ManyRings::new(model))
-            }
-        };
-        let decoder = Decoder::new(ModelChoice::Fixed(model));
-        Self { decoder, cutter, refusal: None, odd_block: None }
+        let straight = (model == Model::Vlp32C).then(|| StraightColumns::new(model));
+        if model.lasers() > SWEEP_RINGS {
+            say!(
+                "a {} has 32 rings; people are looked for in 16 of them, and once more in 16 between these",
+                model.name()
+            );
+        }
+        Self {
+            decoder: Decoder::new(ModelChoice::Fixed(model)),
+            straight,
+            builder: SweepBuilder::new(CUT_CDEG),
+            building: Box::new(Sweep::EMPTY),
+            refusal: None,
+            odd_block: None,
+        }
     }
 
-    /// Elevations of a model of 16 rings.
-    fn rings(&self) -> Option<RingAngles> {
-        let is_sixteen = matches!(self.cutter, Cutter::Sixteen(..));
-        is_sixteen.then(|| match self.decoder.model() {
-            Some(Model::HiRes) => RingAngles::even(-10.0, 4.0 / 3.0),
-            _ => RingAngles::vlp16(),
-        })
+    /// As a robot's file names it.
+    fn model(&self) -> LidarModel {
+        match self.decoder.model() {
+            Some(Model::HiRes) => LidarModel::PuckHiRes,
+            Some(Model::Vlp32C) => LidarModel::Vlp32c,
+            Some(Model::Hdl32E) => LidarModel::Hdl32e,
+            Some(Model::Vlp16) | None => LidarModel::Vlp16,
+        }
     }
 
     fn take(&mut self, datagram: &Datagram, player: &mut Player) {
         let arrival = Stamp::from_micros(datagram.captured_us);
         player.recorded.datagram(arrival, &datagram.payload);
-        let (packet, lost) = match self.decoder.decode(&datagram.payload, arrival) {
+        let (mut packet, lost) = match self.decoder.decode(&datagram.payload, arrival) {
             Ok(decoded) => decoded,
             Err(error) => {
                 self.refusal = Some(error.to_string());
@@ -149,25 +150,18 @@ impl Lidar {
         };
         player.closed_cdeg = self.decoder.closed_sector().map_or(0, |closed| closed.width_cdeg());
         self.odd_block = self.decoder.odd_block().map(|error| error.to_string()).or(self.odd_block.take());
-        match &mut self.cutter {
-            Cutter::Sixteen(builder, building) => {
-                builder.add(&packet, lost, building, |sweep| player.sweep(sweep));
-            }
-            Cutter::Many(rings) => rings.add(&datagram.payload, packet.stamp, |sweep, angles| {
-                player.stages.set_rings(angles);
-                player.sweep(sweep);
-            }),
+        // As on the robot: straight columns, the rings of a sweep in front, and behind them those of a second look.
+        if let Some(straight) = &mut self.straight {
+            straight.put_straight(&mut packet, lost);
         }
+        self.decoder.arrange_for_people(&mut packet);
+        player.stages.note_packet(&packet, lost, &player.standing.context().sensor_in_base);
+        self.builder.add(&packet, lost, &mut self.building, |sweep| player.sweep(sweep));
     }
 
     fn finish(&mut self, player: &mut Player) {
-        match &mut self.cutter {
-            Cutter::Sixteen(_, building) if building.column_count > 0 => player.sweep(building),
-            Cutter::Sixteen(..) => {}
-            Cutter::Many(rings) => rings.finish(&mut |sweep, angles| {
-                player.stages.set_rings(angles);
-                player.sweep(sweep);
-            }),
+        if self.building.column_count > 0 {
+            player.sweep(&self.building);
         }
     }
 

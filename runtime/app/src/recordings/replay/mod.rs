@@ -7,7 +7,6 @@ mod capture;
 mod carmen;
 mod cloud;
 mod floor_below;
-mod many_rings;
 mod own;
 mod recorded;
 mod rows;

@@ -9,10 +9,10 @@ use floorguard_configuration::{EXAMPLE, parse};
 use floorguard_perception::any_scanner::ScannerPose;
 use floorguard_perception::people::{RingAngles, SweepContext, hangs, turn_over, turned_over_mounting};
 use floorguard_robot::assembly::{HostedLegs, HostedPerception, Stages, new_perception};
-use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::tasks::{JudgeMotion as _, SEARCHED_STEP_RAD};
-use floorguard_types::geometry::Pose2;
-use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::geometry::{Pose2, Transform3};
+use floorguard_types::sensing::{LidarPacket, Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::rows::{FrameRow, ScanCounts};
@@ -69,6 +69,18 @@ impl RobotStages {
     pub fn for_s300(mut self) -> Self {
         self.new_legs = HostedLegs::trained;
         self
+    }
+
+    /// The lidar is of that model: what its rings are, and whether people are looked for in others once more.
+    pub fn set_lidar(&mut self, model: LidarModel) {
+        self.robot.lidar.model = model;
+        self.rings = self.robot.ring_angles();
+        self.perception = new_perception(&self.robot, Stages::All);
+    }
+
+    /// A packet on its way into the next sweep, arranged for people, and how many are missing before it.
+    pub fn note_packet(&mut self, packet: &LidarPacket, lost_before: u16, sensor_in_base: &Transform3) {
+        self.perception.motion.note_packet(packet, lost_before, hangs(sensor_in_base));
     }
 
     /// The lidar has these rings.
@@ -202,12 +214,61 @@ fn returns(sweep: &Sweep) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_types::sensing::BeamReturn;
+    use floorguard_drivers::velodyne::SweepBuilder;
+    use floorguard_perception::people::TrackStatus;
+    use floorguard_types::geometry::{Point3, Twist2};
+    use floorguard_types::sensing::{BeamReturn, LidarColumn};
 
     fn scan(at_us: u64) -> Scan {
         let mut scan = Scan { stamp: Stamp::from_micros(at_us), step_rad: 0.01, ..Scan::default() };
         scan.beams.extend((0..100).map(|_| BeamReturn::Hit(4_000)));
         scan
+    }
+
+    /// Eight revolutions in which the rings of the second look alone see a person, 9 m ahead.
+    fn packets(robot: &RobotConfiguration) -> impl Iterator<Item = LidarPacket> {
+        let angles = robot.second_ring_angles().expect("it has more rings than a sweep");
+        (0..8 * 75_u64).map(move |number| {
+            let stamp = Stamp::from_micros(1_000_000 + 1_333 * number);
+            let mut packet = LidarPacket { stamp, rings: 32, ..LidarPacket::EMPTY };
+            for step in 0..24 {
+                let azimuth_cdeg = ((number * 480 + step * 20) % 36_000) as u16;
+                let mut column =
+                    LidarColumn { azimuth_cdeg, offset_us: 55 * step as u32, ..LidarColumn::SILENT };
+                let bearing_deg = (f32::from(azimuth_cdeg) * 0.01 + 180.0) % 360.0 - 180.0;
+                for (raw, (sin, cos, _)) in column.range_raw.iter_mut().skip(16).zip(angles.rings) {
+                    let height_m = 0.8 + 9.0 * sin / cos;
+                    if bearing_deg.abs() < 1.4 && (0.0..1.7).contains(&height_m) {
+                        *raw = (9.0 / cos * 500.0) as u16;
+                    }
+                }
+                packet.columns.push(column).expect("24 fit");
+            }
+            packet
+        })
+    }
+
+    /// A capture of a lidar of 32 rings is looked at as on the robot: once more in the rings between.
+    #[test]
+    fn second_look_finds_people_in_captures() {
+        let translation = Point3::new(0.0, 0.0, 0.8);
+        let sensor_in_base = Transform3 { translation, ..Transform3::IDENTITY };
+        let context = SweepContext { sensor_in_base, twist: Twist2::ZERO, base_in_odom: Pose2::default() };
+        for model in [LidarModel::Hdl32e, LidarModel::Vlp32c] {
+            let mut stages = RobotStages::new().expect("the example robot");
+            stages.set_lidar(model);
+            let (mut builder, mut building) = (SweepBuilder::new(18_000), Box::new(Sweep::EMPTY));
+            for packet in packets(&stages.robot.clone()) {
+                stages.note_packet(&packet, 0, &sensor_in_base);
+                builder.add(&packet, 0, &mut building, |sweep| {
+                    stages.sweep(sweep, &context, "sensor");
+                });
+            }
+            let people = stages.perception.people.tracks();
+            let [person] = people else { panic!("{model:?}: {people:?}") };
+            assert_eq!(person.status, TrackStatus::Confirmed, "{model:?}");
+            assert!((person.state.position.x_m - 9.0).abs() < 0.3, "{model:?}: {person:?}");
+        }
     }
 
     /// Of a scanner in a recording nothing is known; the bytes of an S300's line are those of an S300.
