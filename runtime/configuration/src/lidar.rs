@@ -309,6 +309,27 @@ mod tests {
         }
     }
 
+    /// What a Livox shows is up to a tenth of a second older: the fields are longer.
+    #[test]
+    fn fields_of_a_livox_are_longer() {
+        let read = |text: &str| parse("robot.toml", text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        let (turning, livox) = (read(EXAMPLE), read(&with_ouster("model = \"livox-mid360\"\n")));
+        assert!((livox.limits.response_s - turning.limits.response_s - 0.1).abs() < 1.0e-6);
+        let reach_m = |robot: &floorguard_runtime::configuration::RobotConfiguration| {
+            let points = robot.fields.iter().flat_map(|field| field.protective.iter());
+            points.map(|point| point.x_m).fold(0.0, f32::max)
+        };
+        assert!(reach_m(&livox) > reach_m(&turning) + 0.05, "{} m, {} m", reach_m(&livox), reach_m(&turning));
+        for (keys, words) in [
+            ("elevations_deg = [1.0, 2.0]\n", "has 2 angles"),
+            (&bridged_keys().replace("model = \"columns\"\n", ""), "no beam"),
+        ] {
+            let text = with_ouster(&format!("model = \"livox-mid360\"\n{keys}"));
+            let refused = parse("robot.toml", &text).expect_err("refused").to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
+        }
+    }
+
     #[test]
     fn wrong_ouster_keys_are_refused() {
         let keys = ouster_keys(&ouster_example());

@@ -47,11 +47,16 @@ impl Sensors {
         }
     }
 
-    /// The limits of a robot whose scanner may be slower than a safety scanner: it reacts so much later.
+    /// The limits of a robot whose scanner may be slower than a safety scanner, or whose lidar shows later what it met: it reacts so much
+    /// later.
     pub(super) fn slowed(&self, limits: Limits) -> Limits {
-        let model = self.scanner.as_ref().map(|read| read.scanner.model);
-        let Some(ScannerModel::Ranging(ranging)) = model else { return limits };
-        Limits { response_s: limits.response_s + ranging.later_s(), ..limits }
+        let scanner_s = match self.scanner.as_ref().map(|read| read.scanner.model) {
+            Some(ScannerModel::Ranging(ranging)) => ranging.later_s(),
+            _ => 0.0,
+        };
+        let lidar = self.lidar.as_ref().and_then(Option::as_ref);
+        let lidar_s = lidar.map_or(0.0, |(lidar, _)| lidar.model.later_s());
+        Limits { response_s: limits.response_s + scanner_s.max(lidar_s), ..limits }
     }
 
     /// What two devices cannot share, and what two scanners must.

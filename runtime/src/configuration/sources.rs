@@ -4,6 +4,7 @@
 
 use floorguard_drivers::flexisoft::InputMap;
 use floorguard_drivers::inertial::AnyInertialSensor;
+use floorguard_drivers::livox::TURN_US;
 use floorguard_drivers::ouster::Beams;
 use floorguard_drivers::{vectornav, xsens};
 use floorguard_types::capacities::SWEEP_RINGS;
@@ -59,6 +60,17 @@ pub enum LidarModel {
     /// Livox Mid-360; elevations of the rings that its points become, in its own frame, thousandths of a degree, the lowest first.
     /// Hosted programs only.
     LivoxMid360(&'static [i32; SWEEP_RINGS]),
+}
+
+impl LidarModel {
+    /// So much later than a lidar that turns it shows what its beams met, seconds (book, Livox: Columns).
+    #[must_use]
+    pub fn later_s(self) -> f32 {
+        match self {
+            Self::LivoxMid360(_) => TURN_US as f32 * 1.0e-6,
+            _ => 0.0,
+        }
+    }
 }
 
 /// Three-dimensional lidar.

@@ -296,7 +296,13 @@ impl Plan {
             let rest = rest.split_once('\n').map_or("", |(_, rest)| rest);
             self.robot_toml = format!("{before}{fitted}{kept}{rest}");
         }
-        self.robot.lidar = parse("robot.toml", &self.robot_toml)?.robot.lidar;
+        let robot = parse("robot.toml", &self.robot_toml)?.robot;
+        self.robot.lidar = robot.lidar;
+        if robot.lidar.model.later_s() > 0.0 {
+            // It shows things later, and the robot reacts later.
+            (self.robot.unseen, self.robot.limits, self.robot.fields) =
+                (robot.unseen, robot.limits, robot.fields);
+        }
         Ok(self)
     }
 
