@@ -27,6 +27,7 @@ pub mod canopen;
 pub mod cia402;
 pub mod cia406;
 pub mod cola;
+mod datagram_counters;
 pub mod discrete_inputs;
 pub mod flexisoft;
 pub mod hesai;
@@ -54,6 +55,8 @@ pub mod vesc;
 pub mod wheel_drives;
 pub mod wheel_line;
 pub mod xsens;
+
+pub use datagram_counters::DatagramCounters;
 
 #[cfg(test)]
 mod words_tests;

@@ -7,6 +7,7 @@ use floorguard_types::time::Stamp;
 
 use super::decode_error::DecodeError;
 use super::frame::{ColumnsFrame, RINGS_MAX};
+use crate::datagram_counters::DatagramCounters;
 use crate::velodyne::HourClock;
 
 const HOUR_US: u64 = 3_600_000_000;
@@ -17,25 +18,13 @@ const LOST_MAX: u32 = 5_000;
 /// After this silence another bridge may send, or the same one that counts from the beginning.
 const SILENCE_US: u64 = 1_000_000;
 
-/// What happened to the datagrams; saturating.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Counters {
-    /// Datagrams that gave columns.
-    pub accepted: u32,
-    /// Datagrams refused, for any reason.
-    pub refused: u32,
-    /// Datagrams missing between two accepted ones.
-    pub lost: u32,
-}
-
 /// Decodes the stream of one bridge.
 #[derive(Clone, Debug)]
 pub struct DecoderOf<P: Profile> {
     rings: u8,
     last: Option<Last>,
     clock: HourClock,
-    counters: Counters,
+    counters: DatagramCounters,
     profile: core::marker::PhantomData<P>,
 }
 
@@ -57,14 +46,14 @@ impl<P: Profile> DecoderOf<P> {
             rings: rings.min(truncating_u8(P::Rings::N)).min(RINGS_MAX),
             last: None,
             clock: HourClock::default(),
-            counters: Counters::default(),
+            counters: DatagramCounters::default(),
             profile: core::marker::PhantomData,
         }
     }
 
     /// What happened so far.
     #[must_use]
-    pub const fn counters(&self) -> Counters {
+    pub const fn counters(&self) -> DatagramCounters {
         self.counters
     }
 
@@ -89,14 +78,7 @@ impl<P: Profile> DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, DecodeError> {
         let outcome = self.try_decode(payload, arrival, out);
-        let counters = &mut self.counters;
-        match outcome {
-            Ok(lost) => {
-                counters.accepted = counters.accepted.saturating_add(1);
-                counters.lost = counters.lost.saturating_add(u32::from(lost));
-            }
-            Err(_) => counters.refused = counters.refused.saturating_add(1),
-        }
+        self.counters.count(&outcome);
         outcome
     }
 

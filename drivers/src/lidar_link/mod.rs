@@ -7,7 +7,7 @@ mod decoder;
 mod frame;
 
 pub use decode_error::DecodeError;
-pub use decoder::{Counters, Decoder, DecoderOf};
+pub use decoder::{Decoder, DecoderOf};
 pub use frame::{Column, ColumnsFrame, FrameError, RINGS_MAX};
 
 #[cfg(test)]

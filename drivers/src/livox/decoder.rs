@@ -10,6 +10,7 @@ use super::decode_error::DecodeError;
 use super::gathered::{Gathered, TURN_US};
 use super::packet::PointPacket;
 use super::rings::{Rings, UNIT_MM};
+use crate::datagram_counters::DatagramCounters;
 use crate::velodyne::HourClock;
 
 const HOUR_US: u64 = 3_600_000_000;
@@ -20,18 +21,6 @@ const GAP_NS: u64 = TURN_US * 1_000 / 2;
 /// A longer gap is a sensor that was started anew, or a clock that was set, not a number of lost datagrams, nanoseconds.
 const LOST_NS: u64 = 2_000_000_000;
 
-/// What happened to the datagrams; saturating.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Counters {
-    /// Datagrams that gave columns.
-    pub accepted: u32,
-    /// Datagrams refused, for any reason, and those of the first turn.
-    pub refused: u32,
-    /// Datagrams missing between two accepted ones, by the sensor's clock.
-    pub lost: u32,
-}
-
 /// Decodes the stream of one sensor; 26 KB.
 #[derive(Clone, Debug)]
 pub struct DecoderOf<P: Profile> {
@@ -40,7 +29,7 @@ pub struct DecoderOf<P: Profile> {
     /// The sensor's time after the newest point, nanoseconds.
     end_ns: Option<u64>,
     clock: HourClock,
-    counters: Counters,
+    counters: DatagramCounters,
     profile: core::marker::PhantomData<P>,
 }
 
@@ -56,14 +45,14 @@ impl<P: Profile> DecoderOf<P> {
             gathered: Gathered::new(),
             end_ns: None,
             clock: HourClock::default(),
-            counters: Counters::default(),
+            counters: DatagramCounters::default(),
             profile: core::marker::PhantomData,
         }
     }
 
     /// What happened so far.
     #[must_use]
-    pub const fn counters(&self) -> Counters {
+    pub const fn counters(&self) -> DatagramCounters {
         self.counters
     }
 
@@ -89,14 +78,7 @@ impl<P: Profile> DecoderOf<P> {
         out: &mut LidarPacketOf<P>,
     ) -> Result<u16, DecodeError> {
         let outcome = self.try_decode(payload, arrival, out);
-        let counters = &mut self.counters;
-        match outcome {
-            Ok(lost) => {
-                counters.accepted = counters.accepted.saturating_add(1);
-                counters.lost = counters.lost.saturating_add(u32::from(lost));
-            }
-            Err(_) => counters.refused = counters.refused.saturating_add(1),
-        }
+        self.counters.count(&outcome);
         outcome
     }
 

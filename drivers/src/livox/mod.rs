@@ -9,7 +9,7 @@ mod packet;
 mod rings;
 
 pub use decode_error::DecodeError;
-pub use decoder::{Counters, Decoder, DecoderOf};
+pub use decoder::{Decoder, DecoderOf};
 pub use gathered::{COLUMNS_A_TURN, TURN_US};
 pub use packet::{POINTS_MAX, PacketError, Point, PointPacket};
 pub use rings::{DEFAULT_ELEVATIONS_MDEG, HIGHEST_MDEG, LOWEST_MDEG};
