@@ -145,9 +145,10 @@ impl Beams {
     pub fn second_rings(&self) -> Vec<u8, CHANNELS_MAX> {
         let first = self.rings(SWEEP_RINGS);
         let altitude = |channel: &u8| self.altitude_mdeg.get(usize::from(*channel)).copied().unwrap_or(0);
-        let span = first.first().map_or(0, altitude)..=first.last().map_or(0, altitude);
+        let [lowest, highest] = [first.first(), first.last()].map(|channel| channel.map_or(0, altitude));
         let upwards = self.upwards();
-        let is_new = |channel: &&u8| !first.contains(channel) && span.contains(&altitude(channel));
+        let is_between = |channel: &u8| altitude(channel) >= lowest && altitude(channel) <= highest;
+        let is_new = |channel: &&u8| !first.contains(channel) && is_between(channel);
         if upwards.iter().filter(is_new).count() < NEW_MIN {
             return Vec::new();
         }

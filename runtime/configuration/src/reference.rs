@@ -185,7 +185,8 @@ have one axle, and `ticks_per_m` counts the encoder of one wheel's drive. With `
 the first sender that comes. In `[lidar]`, `profile`, `columns_per_turn`, `columns_per_packet` and the keys that begin with `beam_` are an
 Ouster's: `floorguard lidar-metadata FILE.json` writes them from the metadata that the sensor serves
 ([Devices](devices.md#lidar-ouster-os0-os1-os2)). With `model = \"columns\"` a bridge sends the columns of any lidar of 16 rings, whose elevations
-`elevations_deg` names ([Lidar link](wire-formats/lidar-link.md)). Fields follow from
+`elevations_deg` names ([Lidar link](wire-formats/lidar-link.md)); of a Livox it names the rings that its points become
+([Livox](wire-formats/livox.md)). Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
