@@ -2,6 +2,7 @@
 
 mod can_recordings;
 mod large_lidars;
+mod lidar_bridges;
 mod lidar_senders;
 mod microscan3_scans;
 mod same_verdicts;
