@@ -299,7 +299,7 @@ impl Plan {
         let robot = parse("robot.toml", &self.robot_toml)?.robot;
         self.robot.lidar = robot.lidar;
         if robot.lidar.model.later_s() > 0.0 {
-            // It shows things later, and the robot reacts later.
+            // It shows everything later, and the robot reacts later.
             (self.robot.unseen, self.robot.limits, self.robot.fields) =
                 (robot.unseen, robot.limits, robot.fields);
         }
