@@ -53,7 +53,9 @@ impl Gathered {
 
     /// Begins with a sensor's time, nanoseconds: nothing is known.
     pub fn begin(&mut self, time_ns: u64) {
-        self.columns = [[Cell::default(); SWEEP_RINGS]; COLUMNS_A_TURN];
+        for column in &mut self.columns {
+            *column = [Cell::default(); SWEEP_RINGS];
+        }
         self.next = time_ns / COLUMN_NS;
         self.complete_from = self.next.saturating_add(count_u64(COLUMNS_A_TURN));
     }
