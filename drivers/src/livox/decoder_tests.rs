@@ -173,6 +173,26 @@ fn columns_forget_what_they_gave() {
     }
 }
 
+/// Of several points in a cell the nearest is given, in whatever order they come.
+#[test]
+fn nearest_point_of_a_cell_counts() {
+    let mut decoder = decoder();
+    let nothing = [[0, 0, 0]; POINTS as usize];
+    let mut given = Vec::new();
+    for number in 0..420 {
+        let mut points = nothing;
+        if number == 209 {
+            // Straight to the left, behind what was given out last.
+            (points[3], points[4], points[5]) = ([0, 4_000, 0], [0, 2_000, 0], [0, 3_000, 0]);
+        }
+        let bytes = datagram(BEGIN_NS + number * DATAGRAM_NS, &points);
+        let Ok((packet, _)) = decoder.decode(&bytes, Sensor::arrival(number)) else { continue };
+        let met = packet.columns.iter().filter(|column| column.range_raw.iter().any(|raw| *raw != 0));
+        given.extend(met.map(|column| (column.azimuth_cdeg, column.range_raw[3])));
+    }
+    assert_eq!(given, [(27_045, 500)]);
+}
+
 #[test]
 fn lost_datagrams_are_counted_and_unknown() {
     let (mut decoder, mut sensor) = (decoder(), Sensor::new());

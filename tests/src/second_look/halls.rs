@@ -15,7 +15,7 @@ const CLEAR_M: f32 = 1.8;
 const PEOPLE: u32 = 24;
 const OBJECTS: u32 = 24;
 
-/// The hall of a seed: bins, posts and pillars, plants, trolleys, tables, and people of whom one in five stands.
+/// The hall of a seed: bins, posts and pillars, plants, trolleys, tables, and people. One in five of them stands.
 ///
 /// # Errors
 /// None in practice: the text is written here.

@@ -1,7 +1,7 @@
 //! What a second look for people is worth, in the rings of large lidars that a sweep does not have: `cargo xtask reproduce
 //! second-look`.
 //!
-//! Whole datagrams of the simulator go through the robot's own stages, with one look and with two; the truth is the
+//! Whole datagrams of the simulator go through the robot's own stages, in 16 and in 32 rings; the truth is the
 //! simulator's.
 
 mod halls;
@@ -23,7 +23,7 @@ const SECONDS: u64 = 20;
 const SEED: u64 = 5_000;
 /// More people far away must have a track: percentage points.
 const GAIN_MIN: f64 = 1.0;
-/// False people more than with one look: so many a sweep are no gain.
+/// False people more than with 16 rings: so many a sweep are no gain.
 const FALSE_MORE_MAX: f64 = 0.05;
 
 /// Name and keys of each lidar.
@@ -39,7 +39,7 @@ pub fn lidars() -> [(&'static str, String); 4] {
     ]
 }
 
-/// All runs of one lidar, with one look and with two.
+/// All runs of one lidar, in 16 and in 32 rings.
 ///
 /// # Errors
 /// None in practice: the keys are those of above.
@@ -66,7 +66,7 @@ fn false_people(counts: &Counts) -> f64 {
 
 fn lines(name: &str, totals: &[Counts; 2]) -> String {
     let mut text = String::new();
-    for (look, counts) in ["one look", "two looks"].iter().zip(totals) {
+    for (look, counts) in ["16 rings", "32 rings"].iter().zip(totals) {
         let per_sweep = |count: u32| f64::from(count) / f64::from(counts.sweeps.max(1));
         let mut from_m = 0.0;
         for (band, end_m) in counts.bands.iter().zip(BANDS_M) {
@@ -95,9 +95,9 @@ fn lines(name: &str, totals: &[Counts; 2]) -> String {
 pub fn second_look(seeds: u64, folder: &Path) -> anyhow::Result<(String, bool)> {
     std::fs::create_dir_all(folder)?;
     let mut text = format!(
-        "{seeds} halls of {SECONDS} s each, seeds from {SEED}, in every second one the robot drives; people of whom a third \
-         is in sight; a track within 0.5 m\n\
-         lidar             looks      distance  people   track    person  false tracks false people per sweep\n"
+        "{seeds} halls of {SECONDS} s each, seeds from {SEED}, in every second one the robot drives; people with at least a \
+         third of the body in sight; a track within 0.5 m\n\
+         lidar             rings      distance  people   track    person  false tracks false people per sweep\n"
     );
     let mut holds = true;
     for (name, keys) in lidars() {

@@ -18,7 +18,7 @@ use crate::crowds::shares_in_sight;
 
 /// Ends of the bands of distance, metres.
 pub const BANDS_M: [f32; 3] = [6.0, 12.0, 20.0];
-/// A person less of whom is in sight is hidden, and is not asked for.
+/// A person with less of the body in sight is hidden and not counted.
 const SEEN_MIN: f32 = 0.34;
 /// A track this near to a person is that person's, metres.
 const SAME_M: f32 = 0.5;

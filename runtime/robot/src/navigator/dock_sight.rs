@@ -87,7 +87,7 @@ pub(super) struct DockSight {
     known: Option<Known>,
     /// The odometry frame in that of the dock, once the robot has found it again.
     odometry_in_dock: Option<Pose2>,
-    /// Scans in a row that did not show where the robot stands.
+    /// Commands since a scan showed where the robot stands.
     unseen: u32,
 }
 
@@ -124,8 +124,14 @@ impl DockSight {
         self.odometry_in_dock.map(|frame| frame.compose(odometry))
     }
 
-    /// Scans in a row that did not show where the robot stands: what is around the dock has changed, or somebody stands before the
-    /// scanner.
+    /// Counts a command, and gives how many have passed since a scan showed where the robot stands. There is none while what is around
+    /// the dock has changed, while somebody stands before the scanner, and while no scan comes.
+    pub(super) const fn pass_command(&mut self) -> u32 {
+        self.unseen = self.unseen.saturating_add(1);
+        self.unseen
+    }
+
+    /// Commands since a scan showed where the robot stands.
     pub(super) const fn unseen(&self) -> u32 {
         self.unseen
     }
@@ -134,10 +140,7 @@ impl DockSight {
     pub(super) fn see(&mut self, scan: &Scan, odometry: Pose2) {
         let Some(frame) = self.odometry_in_dock else { return };
         let expected = frame.compose(odometry);
-        let Some(found) = self.found(scan, expected) else {
-            self.unseen = self.unseen.saturating_add(1);
-            return;
-        };
+        let Some(found) = self.found(scan, expected) else { return };
         self.unseen = 0;
         let turn_rad = wrap_angle(found.heading_rad - expected.heading_rad);
         let corrected = Pose2::new(

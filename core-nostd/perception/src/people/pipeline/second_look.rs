@@ -19,9 +19,9 @@ const BOTH_FROM_M: f32 = 6.0;
 const CERTAIN: f32 = 1.0e-3;
 
 impl<P: Profile> PeoplePipelineOf<P> {
-    /// As [`Self::find_people_moving`], with what another pipeline has detected in other rings of the same revolution. Who was
-    /// seen by both is one detection, so the tracker counts one sighting, and a person whom the first look missed is not
-    /// missed. Costs detections × detections more.
+    /// As [`Self::find_people_moving`], with what another pipeline has detected in other rings of the same revolution. A
+    /// person seen by both is one detection, so the tracker counts one sighting; a person that only the second look sees is added.
+    /// Costs detections × detections more.
     pub fn find_people_with_second_look(
         &mut self,
         sweep: &SweepOf<P>,

@@ -64,7 +64,7 @@ fn person_seen_by_both_gives_one_track() {
     }
 }
 
-/// Whom the first look misses the second one brings; nobody is confirmed the sooner for it.
+/// A person missed by the first look is tracked by the second. Confirmation takes as many sweeps as before.
 #[test]
 fn person_of_second_look_alone_is_tracked() {
     let second = second(&[(0.0, 8.0), (0.2, 14.0)]);
