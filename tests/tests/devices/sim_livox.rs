@@ -126,8 +126,21 @@ fn drive(scenario: Scenario, seconds: u64, fault: Option<&str>) -> (f64, u32, u6
 fn robot_with_a_livox_needs_it() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../hal-sim/scenarios/hazards/board-70.toml");
     let board = || load_scenario(path.as_ref()).unwrap();
-    let (distance_m, contacts, _) = drive(board(), 10, None);
-    assert!(distance_m > 2.0 && contacts == 0, "{distance_m} m, {contacts} contacts");
+    let (distance_with_m, contacts, _) = drive(board(), 10, None);
+    assert!(distance_with_m > 2.0 && contacts == 0, "{distance_with_m} m, {contacts} contacts");
     let (distance_m, ..) = drive(board(), 10, Some("lidar:drop=100%"));
     assert!(distance_m < 0.05, "{distance_m} m without the lidar");
+    // From 3 s on it repeats itself, says nothing, or another sensor speaks in its place: the robot stops there.
+    for fault in ["stuck", "silent", "stranger"] {
+        let (faulty_m, contacts, _) = drive(board(), 10, Some(&format!("lidar:{fault},from=3s")));
+        assert!(
+            contacts == 0 && faulty_m < 0.6 * distance_with_m,
+            "{fault}: {faulty_m} m, {contacts} contacts"
+        );
+    }
+    // Datagrams come twice, in another order, damaged or late: nothing is driven into.
+    for fault in ["duplicate=50%", "reorder=20%", "flip=5%", "delay=120ms"] {
+        let (_, contacts, _) = drive(board(), 10, Some(&format!("lidar:{fault},from=3s")));
+        assert_eq!(contacts, 0, "{fault}");
+    }
 }
