@@ -19,6 +19,19 @@ pub struct BodyPart {
     pub height_m: [f32; 2],
 }
 
+impl BodyPart {
+    /// Longer and wider by this at each end, metres; as high as before.
+    pub(crate) fn grown(&self, by_m: f32) -> Self {
+        let middle = |axis: usize| {
+            let values = || self.outline_m.iter().map(|corner| corner[axis]);
+            (values().fold(f32::MAX, f32::min) + values().fold(f32::MIN, f32::max)) / 2.0
+        };
+        let [x, y] = [middle(0), middle(1)];
+        let outward = |[cx, cy]: &[f32; 2]| [cx + by_m.copysign(cx - x), cy + by_m.copysign(cy - y)];
+        Self { outline_m: self.outline_m.iter().map(outward).collect(), ..self.clone() }
+    }
+}
+
 /// Why a body cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum BodyError {

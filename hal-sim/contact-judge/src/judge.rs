@@ -19,6 +19,8 @@ use crate::solid::Placed;
 use crate::track::{Sample, Track};
 use crate::{Brakes, RobotMotion, RobotPose};
 
+/// What comes this near to a bumper from beside presses it, metres.
+const BUMPER_M: f32 = 0.03;
 /// Slower than this a point of the robot stands, m/s.
 const STANDS_MPS: f32 = 0.002;
 /// Somebody leans against the standing robot: when it moves towards them faster than this it drives into them, m/s.
@@ -57,7 +59,8 @@ pub struct Setup {
 pub struct ContactJudge {
     body: RobotBody,
     wheels: Option<RobotBody>,
-    bumpers: Vec<BodyPart>,
+    /// The bumpers, a little longer and wider than they are.
+    bumpers: Option<RobotBody>,
     mass_kg: f32,
     brakes: Brakes,
     sensors: Vec<Sensor>,
@@ -115,7 +118,7 @@ impl ContactJudge {
         Ok(Self {
             body: RobotBody::new(&setup.body)?,
             wheels: if wheels.is_empty() { None } else { Some(RobotBody::new(&wheels)?) },
-            bumpers: setup.bumpers,
+            bumpers: bumpers(&setup.bumpers)?,
             mass_kg: setup.mass_kg,
             brakes: setup.brakes,
             sensors: setup.sensors,
@@ -292,6 +295,12 @@ impl ContactJudge {
         report.conclude(excuse);
         report
     }
+}
+
+/// What presses a bumper lies at its heights, however near it is above or below.
+fn bumpers(parts: &[BodyPart]) -> Result<Option<RobotBody>, BodyError> {
+    let grown: Vec<BodyPart> = parts.iter().map(|part| part.grown(BUMPER_M)).collect();
+    if grown.is_empty() { Ok(None) } else { RobotBody::new(&grown).map(Some) }
 }
 
 /// A person at the last moment and now, and how far its limbs have moved, metres.

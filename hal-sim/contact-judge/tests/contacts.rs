@@ -99,6 +99,37 @@ fn motion_with_touched_bumper_is_reported() {
     assert_eq!(went_on([0.0, 0.03], 5.4), 0, "it lies below the bumper");
 }
 
+/// A surface that rises by 0.1 a metre meets the body at 2 cm and the bumper at 4 cm, 0.2 m later.
+#[test]
+fn bumper_feels_what_rises_later() {
+    let bumper = BodyPart {
+        name: "bumper".into(),
+        outline_m: vec![[0.90, -0.4], [0.955, -0.4], [0.955, 0.4], [0.90, 0.4]],
+        height_m: [0.04, 0.40],
+    };
+    let went_on = |half_length_m: f32, stops_s: f32| {
+        // Its upper face goes through the floor at x = 2.80 m, and its upper end is 0.2 half_length_m high.
+        let slope_rad = 0.1_f32.atan();
+        let (sin, cos) = slope_rad.sin_cos();
+        let half_m = [half_length_m, 0.5, 0.05];
+        let x_m = 2.80 + half_length_m * cos + 0.05 * sin;
+        let centre_m = [x_m, 0.0, half_length_m * sin - 0.05 * cos];
+        let ramp = floorguard_contact_judge::Thing {
+            solid: Solid::Box { centre_m, half_m, yaw_rad: 0.0, slope_rad },
+            ..block("ramp", [0.0; 2], [1.0; 2], [0.0, 1.0])
+        };
+        let plan = floorguard_contact_judge::Setup { bumpers: vec![bumper.clone()], ..setup(vec![ramp]) };
+        let motion =
+            |at_s: f32| RobotMotion { forward_mps: if at_s < stops_s { 0.4 } else { 0.0 }, turn_radps: 0.0 };
+        drive(plan, 9.0, motion, no_people).counts
+    };
+    // The body touches at x = 3.00 m after 2.05 m, the bumper 0.2 m later, less 3 cm: at 5.54 s, and 0.25 m are 0.63 s.
+    assert_eq!(went_on(1.0, 6.0).went_on, 0);
+    assert_eq!(went_on(1.0, 6.4).went_on, 1);
+    let low = went_on(0.17, 8.0);
+    assert_eq!((low.went_on, low.drove_into_things), (0, 1), "its end is 3.4 cm high");
+}
+
 /// The rear right corner at (-0.45, -0.40) is 0.602 m from the axle; beside it, 5 cm away, stands a box.
 #[test]
 fn rear_corner_swings_into_a_box() {

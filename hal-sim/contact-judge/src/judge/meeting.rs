@@ -2,14 +2,12 @@
 
 use super::{ContactJudge, Open, PUSHES_MPS, STANDS_MPS, Step};
 use crate::avoidance::{Case, Past};
-use crate::body::{BodyPart, Nearest};
+use crate::body::Nearest;
 use crate::contact::{Contact, ContactKind, Other};
 use crate::detection::Found;
 use crate::force::force;
 use crate::scene::{Key, LimbName, ThingKind};
 
-/// A point this near to a bumper presses it, metres.
-const BUMPER_M: f32 = 0.03;
 /// From the touch of a bumper to the order to brake, seconds.
 const BUMPER_S: f32 = 0.1;
 /// A brake is an even ramp on paper only: so much more is granted, metres.
@@ -30,39 +28,35 @@ impl ContactJudge {
                 let contact = self.contact(step, key, (&nearest, limb));
                 match self.open.get(&key).copied().filter(|_| !is_new) {
                     None => {
-                        let stands_at_m = self.stands_at_m(step, key, &contact);
+                        let stands_at_m = self.stands_at_m(step, key);
                         self.open.insert(key, Open { at: self.contacts.len(), stands_at_m });
                         let judged = self.judged(key, contact, &nearest);
                         self.contacts.push(judged);
                     }
-                    Some(open) => self.goes_on((open, key), contact, &nearest),
+                    Some(open) => {
+                        // What rises meets the body first, and a bumper later.
+                        let stands_at_m = open.stands_at_m.or_else(|| self.stands_at_m(step, key));
+                        let open = Open { stands_at_m, ..open };
+                        self.open.insert(key, open);
+                        self.goes_on((open, key), contact, &nearest);
+                    }
                 }
             }
         }
     }
 
-    /// Where the braked wheel has to stand after this contact, if a bumper feels it.
-    fn stands_at_m(&self, step: &Step, key: Key, contact: &Contact) -> Option<f64> {
-        let [x, y, z] = contact.place.point_m;
-        // What lies below a bumper, or hangs above it, does not press it however near it is.
-        let reaches = |[low_m, high_m]: [f32; 2]| match key {
-            Key::Thing(index) => {
-                let [low, high] = self.things[index].placed.bounds();
-                high.z > low_m && low.z < high_m
+    /// Where the braked wheel has to stand, if a bumper feels this contact now.
+    fn stands_at_m(&self, step: &Step, key: Key) -> Option<f64> {
+        let bumpers = self.bumpers.as_ref()?;
+        let robot = step.pose.placed();
+        let is_felt = match key {
+            Key::Thing(index) => bumpers.distance_m(&robot, &self.things[index].placed) <= 0.0,
+            Key::Person(id) => {
+                let limbs = self.people.get(&id).into_iter().flat_map(|person| &person.limbs);
+                limbs.map(|limb| limb.solid.placed()).any(|limb| bumpers.distance_m(&robot, &limb) <= 0.0)
             }
-            Key::Person(_) => true,
         };
-        let feels = |bumper: &BodyPart| {
-            let outside = |value: f32, axis: usize| {
-                let corners = || bumper.outline_m.iter().map(|corner| corner[axis]);
-                let (low, high) = (corners().fold(f32::MAX, f32::min), corners().fold(f32::MIN, f32::max));
-                (low - value).max(value - high)
-            };
-            let [low_m, high_m] = bumper.height_m;
-            outside(x, 0).max(outside(y, 1)).max(low_m - z).max(z - high_m) < BUMPER_M
-                && reaches(bumper.height_m)
-        };
-        if !self.bumpers.iter().any(feels) {
+        if !is_felt {
             return None;
         }
         let wheel_mps = self.brakes.wheel_mps(step.motion);

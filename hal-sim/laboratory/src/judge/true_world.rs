@@ -19,6 +19,8 @@ const DELAY_S: f32 = 0.22;
 const CAMERA_DELAY_S: f32 = 0.5;
 /// The same for the floor switches, seconds.
 const SWITCH_DELAY_S: f32 = 0.05;
+/// So high a floor switch is mounted, metres.
+const SWITCH_M: f32 = 0.1;
 /// Returns of a lidar and points of a depth camera this low above the floor may be the floor, metres.
 const FLOOR_M: [f32; 2] = [0.10, 0.03];
 
@@ -197,10 +199,12 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
     };
     let switches = parameters.floor_switches_m.iter().flatten().map(|[x, y]| judge::Sensor {
         name: "floor switch".to_owned(),
-        at_m: [*x, *y, 0.1],
+        at_m: [*x, *y, SWITCH_M],
         view: judge::SensorView::Down,
         range_m: [0.0, 0.5],
         delay_s: SWITCH_DELAY_S,
+        // It feels that there is a floor, be it higher or not.
+        above_floor_m: SWITCH_M,
         sees_holes: true,
         beams_min: 1,
         ..scanner.clone()
