@@ -9,6 +9,7 @@ use heapless::Vec;
 
 use super::collision::Body;
 use super::memory_row::{Row, Run, height_step};
+use super::memory_window::MemoryWindow;
 use super::scan_evidence::ROW_STEP;
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
@@ -19,8 +20,6 @@ use floorguard_types::time::{Age, Stamp};
 pub const SIDE: usize = 64;
 /// Side of a cell, metres.
 pub const CELL_M: f32 = 0.0735;
-/// The middle of the window lies this far ahead of the robot's origin, metres: more room ahead than behind.
-const AHEAD_M: f32 = 1.35;
 /// What the lidar met is kept when it meets it again in one of the next two spans of this length, microseconds: three sweeps each.
 /// Noise and the legs of a person who walks by do not stay; a level surface, which one ring crosses and the next one after the
 /// robot has gone 0.4 m, does.
@@ -76,6 +75,7 @@ pub struct LocalMemory {
     pub(crate) rows: [Row; SIDE],
     /// The cell with the least x and y of the window.
     pub(super) first: Cell,
+    window: MemoryWindow,
     pose: Pose2,
     twist: Twist2,
     at: Option<Stamp>,
@@ -99,6 +99,7 @@ impl LocalMemory {
     pub const EMPTY: Self = Self {
         rows: [Row::EMPTY; SIDE],
         first: Cell { x: 0, y: 0 },
+        window: MemoryWindow::BEGUN,
         pose: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
         twist: Twist2::ZERO,
         at: None,
@@ -116,6 +117,7 @@ impl LocalMemory {
         self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
         (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
         (self.span_at, self.forgotten_at, self.reset_means_way) = (Stamp::ZERO, None, false);
+        self.window = MemoryWindow::BEGUN;
         self.began = Some(Pose2::default());
         self.first = self.wanted_first();
     }
@@ -143,6 +145,7 @@ impl LocalMemory {
             _ => 0.0,
         };
         self.pose = moved(self.pose, twist, step_s);
+        self.window.follow(twist, step_s);
         (self.twist, self.at) = (twist, Some(stamp));
         self.pass_time(stamp);
         let now = Point2::new(self.pose.x_m, self.pose.y_m);
@@ -304,7 +307,8 @@ impl LocalMemory {
 
     fn wanted_first(&self) -> Cell {
         let (sin, cos) = libm::sincosf(self.pose.heading_rad);
-        let middle = Point2::new(self.pose.x_m + AHEAD_M * cos, self.pose.y_m + AHEAD_M * sin);
+        let middle_m = self.window.middle_m();
+        let middle = Point2::new(self.pose.x_m + middle_m * cos, self.pose.y_m + middle_m * sin);
         let cell = Cell::of(middle);
         let half = count_i32(SIDE / 2);
         Cell { x: cell.x.saturating_sub(half), y: cell.y.saturating_sub(half) }

@@ -19,6 +19,7 @@ mod lidar_rays;
 mod local_memory;
 mod memory_obstacles;
 mod memory_row;
+mod memory_window;
 mod motion;
 mod packet_table;
 mod persistence;
@@ -55,6 +56,8 @@ pub use local_memory::{Cell, LocalMemory};
 pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;
+#[cfg(test)]
+pub(crate) use memory_window::MemoryWindow;
 pub use motion::Motion;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};

@@ -14,6 +14,7 @@ mod fastest_point;
 pub(crate) mod fixtures;
 mod latches;
 mod memory;
+mod memory_window;
 mod numbers;
 mod oracles;
 mod properties;

@@ -331,6 +331,15 @@ mod tests {
         assert!(row.passed && row.counts.while_moving() == 0, "{:?} {:?}", row.failures, row.contacts);
     }
 
+    /// Boxes behind a robot that backs from where it was switched on: 10 and 20 cm high, and one that hangs from 16 to 36 cm.
+    #[test]
+    fn fg_req_028_low_boxes_behind_hold() {
+        for trial in [187, 1_057, 1_132] {
+            let row = contact_trial(7, trial);
+            assert!(row.passed && row.missed_stops == 0, "{trial}: {:?} {:?}", row.failures, row.contacts);
+        }
+    }
+
     /// A box that is too low for lidar and scanner presses the bumper: it holds as long as the box is there, against a reset, too.
     #[test]
     fn touched_bumper_holds_against_reset() {
