@@ -19,7 +19,7 @@ use crate::solid::Placed;
 use crate::track::{Sample, Track};
 use crate::{Brakes, RobotMotion, RobotPose};
 
-/// What comes this near to a bumper from beside presses it, metres.
+/// A contact that begins this near to a bumper presses it, metres.
 const BUMPER_M: f32 = 0.03;
 /// Slower than this a point of the robot stands, m/s.
 const STANDS_MPS: f32 = 0.002;
@@ -59,8 +59,8 @@ pub struct Setup {
 pub struct ContactJudge {
     body: RobotBody,
     wheels: Option<RobotBody>,
-    /// The bumpers, a little longer and wider than they are.
-    bumpers: Option<RobotBody>,
+    /// The bumpers, a little longer and wider than they are, and as they are.
+    bumpers: Option<[RobotBody; 2]>,
     mass_kg: f32,
     brakes: Brakes,
     sensors: Vec<Sensor>,
@@ -298,9 +298,12 @@ impl ContactJudge {
 }
 
 /// What presses a bumper lies at its heights, however near it is above or below.
-fn bumpers(parts: &[BodyPart]) -> Result<Option<RobotBody>, BodyError> {
+fn bumpers(parts: &[BodyPart]) -> Result<Option<[RobotBody; 2]>, BodyError> {
+    if parts.is_empty() {
+        return Ok(None);
+    }
     let grown: Vec<BodyPart> = parts.iter().map(|part| part.grown(BUMPER_M)).collect();
-    if grown.is_empty() { Ok(None) } else { RobotBody::new(&grown).map(Some) }
+    Ok(Some([RobotBody::new(&grown)?, RobotBody::new(parts)?]))
 }
 
 /// A person at the last moment and now, and how far its limbs have moved, metres.

@@ -123,7 +123,7 @@ fn bumper_feels_what_rises_later() {
             |at_s: f32| RobotMotion { forward_mps: if at_s < stops_s { 0.4 } else { 0.0 }, turn_radps: 0.0 };
         drive(plan, 9.0, motion, no_people).counts
     };
-    // The body touches at x = 3.00 m after 2.05 m, the bumper 0.2 m later, less 3 cm: at 5.54 s, and 0.25 m are 0.63 s.
+    // The body touches at x = 3.00 m after 2.05 m, the bumper 0.2 m later: at 5.6 s, and 0.25 m are 0.63 s.
     assert_eq!(went_on(1.0, 6.0).went_on, 0);
     assert_eq!(went_on(1.0, 6.4).went_on, 1);
     let low = went_on(0.17, 8.0);

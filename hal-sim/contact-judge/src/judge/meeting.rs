@@ -28,14 +28,14 @@ impl ContactJudge {
                 let contact = self.contact(step, key, (&nearest, limb));
                 match self.open.get(&key).copied().filter(|_| !is_new) {
                     None => {
-                        let stands_at_m = self.stands_at_m(step, key);
+                        let stands_at_m = self.stands_at_m(step, (key, true));
                         self.open.insert(key, Open { at: self.contacts.len(), stands_at_m });
                         let judged = self.judged(key, contact, &nearest);
                         self.contacts.push(judged);
                     }
                     Some(open) => {
                         // What rises meets the body first, and a bumper later.
-                        let stands_at_m = open.stands_at_m.or_else(|| self.stands_at_m(step, key));
+                        let stands_at_m = open.stands_at_m.or_else(|| self.stands_at_m(step, (key, false)));
                         let open = Open { stands_at_m, ..open };
                         self.open.insert(key, open);
                         self.goes_on((open, key), contact, &nearest);
@@ -45,9 +45,11 @@ impl ContactJudge {
         }
     }
 
-    /// Where the braked wheel has to stand, if a bumper feels this contact now.
-    fn stands_at_m(&self, step: &Step, key: Key) -> Option<f64> {
-        let bumpers = self.bumpers.as_ref()?;
+    /// Where the braked wheel has to stand, if a bumper feels this contact now. What slides along the body presses a bumper when it is
+    /// there, and not when it is near.
+    fn stands_at_m(&self, step: &Step, (key, is_new): (Key, bool)) -> Option<f64> {
+        let [grown, bumpers] = self.bumpers.as_ref()?;
+        let bumpers = if is_new { grown } else { bumpers };
         let robot = step.pose.placed();
         let is_felt = match key {
             Key::Thing(index) => bumpers.distance_m(&robot, &self.things[index].placed) <= 0.0,
