@@ -44,7 +44,7 @@ impl MemoryWindow {
     /// The robot has moved for a time, seconds. The window moves by a cell at most, so that no step costs more than another.
     pub fn follow(&mut self, twist: Twist2, step_s: f32) {
         let come_m = twist.linear_mps * step_s - TURN_TAKES_M * (twist.angular_radps * step_s).abs();
-        // In this order a number that is none becomes one.
+        // In this order a NaN becomes a number.
         self.known_m = (self.known_m + come_m).min(KNOWN_MAX_M).max(0.0);
         let share = (self.known_m / KNOWN_LEAST_M).min(1.0);
         let wanted_m = if twist.linear_mps > COMES_MPS {
