@@ -20,6 +20,8 @@ mod local_memory;
 mod memory_obstacles;
 mod memory_row;
 mod memory_window;
+#[cfg(test)]
+mod memory_window_tests;
 mod motion;
 mod packet_table;
 mod persistence;
@@ -56,8 +58,6 @@ pub use local_memory::{Cell, LocalMemory};
 pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;
-#[cfg(test)]
-pub(crate) use memory_window::MemoryWindow;
 pub use motion::Motion;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};

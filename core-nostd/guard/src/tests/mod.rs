@@ -14,7 +14,6 @@ mod fastest_point;
 pub(crate) mod fixtures;
 mod latches;
 mod memory;
-mod memory_window;
 mod numbers;
 mod oracles;
 mod properties;

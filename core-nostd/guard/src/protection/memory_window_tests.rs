@@ -1,9 +1,13 @@
 //! Where the window of the memory lies, by places on the floor.
 
-use super::fixtures::forward;
-use crate::*;
+use super::memory_window::MemoryWindow;
+use super::{Cell, LocalMemory};
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::time::Stamp;
+
+fn forward(linear_mps: f32) -> Twist2 {
+    Twist2 { linear_mps, angular_radps: 0.0 }
+}
 
 struct Driven {
     memory: std::boxed::Box<LocalMemory>,
