@@ -44,8 +44,8 @@ impl MemoryWindow {
     /// The robot has moved for a time, seconds. The window moves by a cell at most, so that no step costs more than another.
     pub fn follow(&mut self, twist: Twist2, step_s: f32) {
         let come_m = twist.linear_mps * step_s - TURN_TAKES_M * (twist.angular_radps * step_s).abs();
-        // In this order a NaN becomes a number.
-        self.known_m = (self.known_m + come_m).min(KNOWN_MAX_M).max(0.0);
+        let known_m = self.known_m + come_m;
+        self.known_m = if known_m.is_nan() { 0.0 } else { known_m.clamp(0.0, KNOWN_MAX_M) };
         let share = (self.known_m / KNOWN_LEAST_M).min(1.0);
         let wanted_m = if twist.linear_mps > COMES_MPS {
             AHEAD_M
@@ -54,7 +54,7 @@ impl MemoryWindow {
         } else {
             self.middle_m
         };
-        let step_m = (wanted_m - self.middle_m).min(CELL_M).max(-CELL_M);
-        self.middle_m = (self.middle_m + step_m).min(AHEAD_M).max(AROUND_M);
+        let step_m = (wanted_m - self.middle_m).clamp(-CELL_M, CELL_M);
+        self.middle_m = (self.middle_m + step_m).clamp(AROUND_M, AHEAD_M);
     }
 }
