@@ -2,7 +2,7 @@
 //! of its own, and its rays are stepped through it: nothing of the code under test makes the scans.
 
 use std::f64::consts::PI;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use floorguard_mapping::Occupancy;
 
@@ -301,13 +301,30 @@ fn one(map: u64, start: u64) -> Option<Ended> {
     located(&building, &mut Random::new(1_000 * (map + 1) + start + 1))
 }
 
-/// Every start in every map from a first one on, with its number; each map on a core of its own.
-fn on_all_cores(first: u64, maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> {
-    let next = AtomicU64::new(first);
+/// The drives that an order names, by map and start: `20x100` for 100 starts in each of 20 maps, `20x100@20` for those in the next
+/// twenty, `3/71,5/13` for single ones.
+fn drives_of(order: &str) -> Option<Vec<(u64, u64)>> {
+    if order.contains('/') {
+        let single = |drive: &str| {
+            let (map, start) = drive.split_once('/')?;
+            Some((map.parse().ok()?, start.parse().ok()?))
+        };
+        return order.split(',').map(single).collect();
+    }
+    let (counts, first) = order.split_once('@').unwrap_or((order, "0"));
+    let (maps, starts) = counts.split_once('x')?;
+    let (first, maps, starts): (u64, u64, u64) =
+        (first.parse().ok()?, maps.parse().ok()?, starts.parse().ok()?);
+    Some((first..first + maps).flat_map(|map| (0..starts).map(move |start| (map, start))).collect())
+}
+
+/// Every drive with its number, on as many cores as there are.
+fn on_all_cores(drives: &[(u64, u64)]) -> Vec<((u64, u64), Ended)> {
+    let next = AtomicUsize::new(0);
     let work = || {
         let mut ended = Vec::new();
-        while let Some(map) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|map| *map < first + maps) {
-            ended.extend((0..starts).filter_map(|start| Some(((map, start), one(map, start)?))));
+        while let Some(&(map, start)) = drives.get(next.fetch_add(1, Ordering::Relaxed)) {
+            ended.extend(one(map, start).map(|one| ((map, start), one)));
         }
         ended
     };
@@ -320,15 +337,13 @@ fn on_all_cores(first: u64, maps: u64, starts: u64) -> Vec<((u64, u64), Ended)> 
     all
 }
 
-/// `FLOORGUARD_LOCALISATION=20x100` runs the whole campaign and prints it, `20x100@20` with the next twenty maps; without it a single
-/// drive is run.
+/// `FLOORGUARD_LOCALISATION` names the drives (see `drives_of`): with `20x100` the whole campaign is run and printed, without it a single
+/// drive is.
 #[test]
 fn places_are_found_in_changed_buildings() {
     let order = std::env::var("FLOORGUARD_LOCALISATION").unwrap_or_else(|_| "1x1".to_owned());
-    let (order, first) = order.split_once('@').unwrap_or((&order, "0"));
-    let (maps, starts) =
-        order.split_once('x').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?))).unwrap_or((1, 1));
-    let ended = on_all_cores(first.parse().unwrap_or(0), maps, starts);
+    let drives = drives_of(&order).expect("20x100, 20x100@20 or 3/71,5/13");
+    let ended = on_all_cores(&drives);
     let count = |holds: &dyn Fn(&Ended) -> bool| ended.iter().filter(|(_, one)| holds(one)).count() as u32;
     let (all, wrong) = (ended.len() as u32, count(&|one| one.wrong));
     let (found, soon) = (
@@ -354,8 +369,9 @@ const ONCE_WRONG: [(u64, u64); 8] =
 
 #[test]
 fn drives_once_wrong_are_right() {
-    for (map, start) in ONCE_WRONG {
-        let ended = one(map, start).expect("a drive");
+    let ended = on_all_cores(&ONCE_WRONG);
+    assert_eq!(ended.len(), ONCE_WRONG.len());
+    for ((map, start), ended) in ended {
         assert!(!ended.wrong && ended.found_s.is_some(), "map {map} start {start}: {ended:?}");
     }
 }
