@@ -65,7 +65,8 @@ mod tests {
     #[test]
     fn large_leads_count_soon_small_ones_never() {
         assert_eq!(enough_m(0.5), Some(1.4), "a metre of path at least");
-        assert!(enough_m(0.03).is_some_and(|path_m| (3.5..8.0).contains(&path_m)), "{:?}", enough_m(0.03));
+        assert!(enough_m(0.05).is_some_and(|path_m| (3.5..8.0).contains(&path_m)), "{:?}", enough_m(0.05));
+        assert_eq!(enough_m(0.03), None);
         assert_eq!(enough_m(0.01), None);
         assert_eq!(enough_m(-0.1), None);
     }

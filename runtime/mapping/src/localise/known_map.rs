@@ -23,6 +23,8 @@ pub(super) struct BeamFate {
     pub crossed: Option<f32>,
     /// Value of the field where it ended; 0 if the map knows nothing there.
     pub end: f32,
+    /// Whether the map knows the floor there as free.
+    pub ends_on_floor: bool,
 }
 
 /// A map and the field of its walls.
@@ -125,7 +127,9 @@ impl KnownMap {
             }
         }
         let value = self.value([x_m, y_m]);
+        let [column, row] = self.map.cell_of([x_m, y_m]);
         BeamFate {
+            ends_on_floor: self.map.at(column, row) == Occupancy::Free,
             crossed: crossed.map(|permanence| f32::from(permanence) / 255.0),
             end: if value >= NEAR_LEAST { f32::from(value) / 255.0 } else { 0.0 },
         }

@@ -240,7 +240,7 @@ impl Localiser {
         let is_leap = away.length_m() > leap_m || away.heading_rad.abs() > leap_rad;
         let support_at = |pose: Se2| {
             let mut support = Support::default();
-            support.add(&self.map, (pose, points), CHECKED_BEAMS);
+            support.ask_scan(&self.map, (pose, points), CHECKED_BEAMS);
             support.lenient_value()
         };
         // Where the scan fits as the tracking expects it, a leap is something that was moved.

@@ -7,6 +7,7 @@
 mod certainty;
 mod choice;
 mod config;
+mod evidence;
 mod freshness;
 mod known_map;
 mod localiser;

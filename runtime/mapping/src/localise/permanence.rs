@@ -5,47 +5,71 @@ use floorguard_mapping::Occupancy;
 use crate::grid_map::GridMap;
 
 /// What is straight over no more than this may have been moved, metres...
-const FURNITURE_M: f64 = 1.5;
+const FURNITURE_M: f64 = 2.0;
 /// ... and over this stands as it stood.
 const WALL_M: f64 = 4.0;
 /// Directions that are tried, over half a turn.
 const DIRECTIONS: u32 = 36;
 
-/// How surely each cell of a map belongs to something that stays: 0 furniture or floor, 255 a long wall, by the longest straight piece of
-/// occupied cells through it. Gaps and bends of a cell do not end a piece. Only cells that a beam meets first are asked: the inside of a
-/// thick wall has 0. Cost: for each of them, 36 directions of up to four metres.
-pub fn permanence(map: &GridMap) -> Vec<u8> {
-    let solid = thickened(map);
-    let columns = map.columns as i64;
-    let is_solid = |[column, row]: [i64; 2]| {
-        let inside = (0..columns).contains(&column) && (0..map.rows as i64).contains(&row);
-        inside && solid[(row * columns + column) as usize]
-    };
-    let most = (WALL_M / map.cell_m).ceil().clamp(1.0, 10_000.0) as i64;
-    let steps: Vec<[f64; 2]> = (0..DIRECTIONS).map(unit).collect();
-    let reach = |from: [i64; 2], [along_x, along_y]: [f64; 2]| {
-        let at = |step: &i64| {
-            let step = *step as f64;
-            [from[0] + (step * along_x).round() as i64, from[1] + (step * along_y).round() as i64]
-        };
-        (1..most).take_while(|step| is_solid(at(step))).count() as i64
-    };
-    let longest = |from: [i64; 2]| {
+/// The straight pieces of occupied cells in a grid. Gaps and bends of a cell do not end a piece.
+pub struct StraightPieces {
+    solid: Vec<bool>,
+    columns: i64,
+    rows: i64,
+    cell_m: f64,
+    /// Cells of the longest piece that is distinguished.
+    most: i64,
+    directions: Vec<[f64; 2]>,
+}
+
+impl StraightPieces {
+    /// Of the occupied cells of a grid.
+    pub fn new(map: &GridMap) -> Self {
+        Self {
+            solid: thickened(map),
+            columns: map.columns as i64,
+            rows: map.rows as i64,
+            cell_m: map.cell_m,
+            most: (WALL_M / map.cell_m).ceil().clamp(1.0, 10_000.0) as i64,
+            directions: (0..DIRECTIONS).map(unit).collect(),
+        }
+    }
+
+    /// How surely what stands in a cell stays, 0 to 1, by the longest straight piece through it. Cost: 36 directions of up to four metres.
+    pub fn permanence_at(&self, cell: [i64; 2]) -> f64 {
         let mut longest = 0;
-        for [x, y] in &steps {
-            longest = longest.max(reach(from, [*x, *y]) + 1 + reach(from, [-x, -y]));
-            if longest >= most {
+        for [x, y] in &self.directions {
+            longest = longest.max(self.reach(cell, [*x, *y]) + 1 + self.reach(cell, [-x, -y]));
+            if longest >= self.most {
                 break;
             }
         }
-        longest as f64 * map.cell_m
-    };
+        ((longest as f64 * self.cell_m - FURNITURE_M) / (WALL_M - FURNITURE_M)).clamp(0.0, 1.0)
+    }
+
+    /// Solid cells from a cell on along a direction.
+    fn reach(&self, from: [i64; 2], [along_x, along_y]: [f64; 2]) -> i64 {
+        let is_solid = |step: &i64| {
+            let step = *step as f64;
+            let column = from[0] + (step * along_x).round() as i64;
+            let row = from[1] + (step * along_y).round() as i64;
+            let is_inside = (0..self.columns).contains(&column) && (0..self.rows).contains(&row);
+            is_inside && self.solid[(row * self.columns + column) as usize]
+        };
+        (1..self.most).take_while(is_solid).count() as i64
+    }
+}
+
+/// How surely each cell of a map belongs to something that stays: 0 furniture or floor, 255 a long wall. Only cells that a beam meets
+/// first are asked: the inside of a thick wall has 0.
+pub fn permanence(map: &GridMap) -> Vec<u8> {
+    let pieces = StraightPieces::new(map);
     let of_cell = |index: usize| {
         if !is_face(map, index) {
             return 0;
         }
-        let length_m = longest([index as i64 % columns, index as i64 / columns]);
-        (255.0 * ((length_m - FURNITURE_M) / (WALL_M - FURNITURE_M)).clamp(0.0, 1.0)) as u8
+        let cell = [(index % map.columns) as i64, (index / map.columns) as i64];
+        (255.0 * pieces.permanence_at(cell)) as u8
     };
     (0..map.cells.len()).map(of_cell).collect()
 }

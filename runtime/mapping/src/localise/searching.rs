@@ -4,6 +4,7 @@ use floorguard_localisation::scan_matching::{Guess, refine};
 use nalgebra::Matrix3;
 
 use super::config::LocaliseConfig;
+use super::evidence::Evidence;
 use super::known_map::KnownMap;
 use super::places::{are_apart, places};
 use super::query::Query;
@@ -38,11 +39,6 @@ const PLACES: usize = 40;
 const KEPT: usize = 24;
 /// Beyond this a second place is another one that must lose: metres and radians.
 const ANOTHER: (f64, f64) = (0.8, 0.3);
-/// Scans, and beams of each, that are asked about a place.
-const ASKED_SCANS: usize = 24;
-const ASKED_BEAMS: usize = 60;
-/// The newest of them, which must fit by themselves.
-const NEWEST_SCANS: usize = 2;
 
 /// A place that is possible.
 #[derive(Clone, Debug)]
@@ -54,8 +50,8 @@ struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// By how much this place is better than another if furniture may have changed: beams of the other one through walls count in full, all
-    /// else in part.
+    /// By how much this place is better than another if furniture may have changed: what contradicts the other one counts in full, all else in
+    /// part.
     fn advantage(&self, other: &Self, config: &LocaliseConfig) -> f64 {
         let contradicted = (other.support.contradiction() - self.support.contradiction()).max(0.0);
         let rest = self.support.value() - other.support.value() - contradicted;
@@ -91,8 +87,9 @@ impl Searcher {
                 poses.push(pose);
             }
         }
+        let evidence = Evidence::new(&nodes[query.first..]);
         let judged = poses.into_iter().map(|pose| {
-            let (support, newest) = support_of(map, nodes, query, pose);
+            let (support, newest) = evidence.support_at(map, pose);
             Hypothesis { tracking_in_map: pose.compose(last.pose.inverse()), support, newest }
         });
         self.hypotheses = judged.collect();
@@ -132,20 +129,4 @@ fn refined(map: &KnownMap, query: &Query, pose: Se2, config: &LocaliseConfig) ->
     let start = pose.single();
     let guess = Guess { start, expected: start, information: Matrix3::zeros() };
     refine(&map.levels()[0], &query.points, &guess, &config.descent).pose.into()
-}
-
-/// What the scans of a query say, with the last one at `pose`, and what the newest of them say alone.
-fn support_of(map: &KnownMap, nodes: &[Node], query: &Query, pose: Se2) -> (Support, f64) {
-    let (mut whole, mut newest) = (Support::default(), 0.0);
-    let Some(last) = nodes.last() else { return (whole, newest) };
-    let scans = &nodes[query.first..];
-    let asked = scans.iter().rev().step_by(scans.len().div_ceil(ASKED_SCANS).max(1));
-    for (index, node) in asked.enumerate() {
-        let place = pose.compose(last.pose.between(node.pose));
-        whole.add(map, (place, &node.points), ASKED_BEAMS);
-        if index < NEWEST_SCANS {
-            newest = whole.value();
-        }
-    }
-    (whole, newest)
 }
