@@ -363,7 +363,7 @@ fn places_are_found_in_changed_buildings() {
 }
 
 /// Drives of the campaign, by map and start: five in which an emptier room was once taken for the right one, three in which a moved
-/// cupboard was followed, and five in which boxes beside the robot or a row of cupboards that was gone outvoted the walls.
+/// cupboard was followed, three in which a row of cupboards that was gone counted as a wall, and two in which the place turned by half a circle led.
 const ONCE_WRONG: [(u64, u64); 13] = [
     (2, 19),
     (4, 48),
