@@ -6,6 +6,7 @@ mod floor;
 mod guard;
 mod lidar;
 mod navigation;
+mod navigation_lattice;
 mod navigation_local;
 mod peers;
 mod slam;
@@ -17,6 +18,7 @@ pub use floor::{FrameTime, run_floor};
 pub use guard::{DECISION_MAX_NS, DecisionTime, decisions};
 pub use lidar::{Measured, StageTime, run};
 pub use navigation::{NavigationTime, navigation};
+pub use navigation_lattice::{Office, OfficePath};
 pub use peers::{OurTime, ours};
 
 /// By the wall clock.

@@ -7,19 +7,13 @@ use floorguard_mapping::{GridGeometry, GridSides, Occupancy, Parabola, squared_d
 use floorguard_navigation::costmap::{
     CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, PeopleCost, compose,
 };
-use floorguard_navigation::global::{
-    GearOutlines, GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal,
-    LatticeNode, LatticePlanner, LatticeStorage, Pace, PlanRequest, SearchEnd, SearchMethod, StepCosts,
-};
-use floorguard_robot::site::ros_map;
-use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::motion::Waypoint;
+use floorguard_navigation::global::{GridSearch, SearchEnd, SearchMethod, StepCosts};
+use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 
 use super::cpu::Stopwatch;
+use super::navigation_lattice::across_a_building;
 use super::navigation_local::local_planners;
-use crate::barn::jackal;
-use crate::data::recording;
 
 /// One figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,17 +43,17 @@ pub(super) fn fastest_ms<R>(rounds: u32, mut work: impl FnMut() -> R) -> (f64, R
 }
 
 /// A floor with its costs.
-struct Floor {
-    geometry: GridGeometry,
-    costs: Vec<u8>,
+pub(super) struct Floor {
+    pub(super) geometry: GridGeometry,
+    pub(super) costs: Vec<u8>,
 }
 
 impl Floor {
-    fn view(&self) -> CostmapView<'_> {
+    pub(super) fn view(&self) -> CostmapView<'_> {
         CostmapView::new(self.geometry, &self.costs, 1).expect("as many costs as cells")
     }
 
-    fn new(geometry: GridGeometry, fixed: &[Occupancy], shape: &InflationConfig) -> Self {
+    pub(super) fn new(geometry: GridGeometry, fixed: &[Occupancy], shape: &InflationConfig) -> Self {
         let inflation = Inflation::new(shape, geometry.resolution_m()).expect("few cells");
         let layers = CostmapLayers {
             geometry: &geometry,
@@ -79,7 +73,7 @@ impl Floor {
     }
 
     /// The first passable cell from a place on, row by row.
-    fn passable_from(&self, column: i32, row: i32) -> usize {
+    pub(super) fn passable_from(&self, column: i32, row: i32) -> usize {
         let first = self.geometry.index(column, row).expect("inside");
         (first..self.costs.len()).find(|&cell| self.costs[cell] < Costs::INSCRIBED).expect("some floor")
     }
@@ -145,75 +139,4 @@ fn across_a_hall() -> Vec<NavigationTime> {
     let note = format!("{end:?}, {} cells expanded; at most 60 ms", search.expanded());
     times.push(NavigationTime { task: "A*, across", input, ms, note });
     times
-}
-
-/// The lattice from one end of an office to the other.
-fn across_a_building() -> Option<NavigationTime> {
-    let map = ros_map::load(&recording("grid_maps/willow-full-0.05.yaml")?).ok()?;
-    let geometry = *map.geometry();
-    let outline = jackal();
-    let shape = InflationConfig {
-        inscribed_radius_m: outline.inscribed_radius_m(),
-        inflation_radius_m: outline.circumscribed_radius_m() + 0.2,
-        decay_per_m: 6.0,
-    };
-    let clear_cost = shape.cost_at(outline.circumscribed_radius_m() + 0.05);
-    let floor = Floor::new(geometry, map.values(), &shape);
-    let mut search =
-        GridSearch::new(vec![0; floor.costs.len()], vec![0; floor.costs.len()], StepCosts::new(false));
-    let middle = (geometry.columns() as i32 / 2, geometry.rows() as i32 / 2);
-    search.run(floor.view(), floor.passable_from(middle.0, middle.1), None, SearchMethod::Dijkstra);
-    let reached = |cell: &usize| search.distance(*cell).is_some();
-    let by_x = |cell: &usize| geometry.coordinates(*cell).column;
-    let start = (0..floor.costs.len()).filter(reached).min_by_key(by_x)?;
-    let goal = (0..floor.costs.len()).filter(reached).max_by_key(by_x)?;
-    let raster = coarse(&geometry, 0.15)?;
-    let storage = LatticeStorage {
-        nodes: vec![LatticeNode::default(); 400_000],
-        cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
-        heap: vec![HeapEntry::default(); 400_000],
-    };
-    let pace = Pace {
-        speed_mps: 0.5,
-        turn_radps: 0.6,
-        reverse_mps: 0.2,
-        change_s: 1.0,
-        step_m: 0.3,
-        arc_m: 0.75,
-        haste: 1.3,
-    };
-    let goal_rule = LatticeGoal { within_m: 0.3, within_rad: 4.0, clear_cost };
-    let mut planner = LatticePlanner::new(
-        search,
-        Lattice::new(raster, pace, storage),
-        GearOutlines::alike(outline),
-        goal_rule,
-    );
-    let at = |cell: usize| Pose2::new(geometry.centre(cell).x_m, geometry.centre(cell).y_m, 0.0);
-    let request = PlanRequest {
-        costmap: floor.view(),
-        start_in_map: at(start),
-        goal_in_map: at(goal),
-        tolerance_m: 0.3,
-    };
-    let mut path = vec![Waypoint::default(); 10_000];
-    let (ms, plan) = fastest_ms(5, || planner.plan(&request, &mut path));
-    let path_m = geometry.centre(start).distance(geometry.centre(goal));
-    let note = match plan {
-        Ok(plan) => format!(
-            "{:.0} m apart, {:.0} s of driving, {} poses looked at; at most 50 ms",
-            path_m,
-            plan.cost,
-            planner.lattice().examined()
-        ),
-        Err(failure) => format!("{failure}"),
-    };
-    Some(NavigationTime { task: "lattice, across", input: "willow-full".into(), ms, note })
-}
-
-/// The same place with larger cells.
-fn coarse(geometry: &GridGeometry, edge_m: f32) -> Option<GridGeometry> {
-    let side = |cells: usize| (cells as f32 * geometry.resolution_m() / edge_m).ceil() as u32 + 1;
-    let sides = GridSides { columns: side(geometry.columns()), rows: side(geometry.rows()) };
-    GridGeometry::with_sides(sides, edge_m, geometry.origin_in_map())
 }

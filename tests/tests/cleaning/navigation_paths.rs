@@ -1,10 +1,12 @@
-//! Shortest paths against an independent library (crate `pathfinding`): on 200 random maps and on recorded buildings.
+//! Shortest paths against an independent library (crate `pathfinding`): on 200 random maps and on recorded buildings. Paths of the
+//! lattice through a recorded office, both ways.
 
 use std::collections::HashMap;
 
 use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides};
-use floorguard_navigation::costmap::CostmapView;
+use floorguard_navigation::costmap::{CostmapView, footprint_cost};
 use floorguard_navigation::global::{GridSearch, SearchEnd, SearchMethod, StepCosts};
+use floorguard_tests::bench::{Office, OfficePath};
 use floorguard_tests::data::recording;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
@@ -95,5 +97,24 @@ fn buildings_have_the_library_costs() {
         let costs: Vec<u8> = picture.pixels().map(|pixel| shade(pixel.0[0])).collect();
         let reached = compare(&costs, (picture.width() as i32, picture.height() as i32), &mut random);
         println!("{name}: {reached} cells have the library's distances");
+    }
+}
+
+/// 56 m through doors and corridors, on every pose with the whole outline on free floor, and few poses looked at.
+#[test]
+fn lattice_crosses_a_recorded_office() {
+    let Some(office) = Office::load() else { return };
+    let [left, right] = office.ends;
+    assert!(right.x_m - left.x_m > 50.0, "{left:?} {right:?}");
+    for [from, to] in [[left, right], [right, left]] {
+        let OfficePath { path, time_s, examined } = office.across([from, to]).expect("a path");
+        println!("{} waypoints, {time_s} s, {examined} poses", path.len());
+        assert!(
+            path.iter().all(|at| footprint_cost(office.costmap(), office.outline(), at.pose_in_map).is_ok())
+        );
+        assert_eq!(path.first().map(|at| at.pose_in_map), Some(from));
+        let end = path.last().expect("a path has an end").place_in_map();
+        assert!(end.distance(Point2::new(to.x_m, to.y_m)) <= 0.3 + 1e-3);
+        assert!(examined < 20_000, "{examined}");
     }
 }
