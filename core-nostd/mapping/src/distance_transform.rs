@@ -93,7 +93,9 @@ fn crossing(earlier: &Parabola, later: &Parabola) -> i64 {
     if apart == 1 {
         return (numerator >> 1).wrapping_add(1);
     }
-    saturating_i64_of_f64(libm::floor(nearest_f64(numerator) / nearest_f64(apart.wrapping_mul(2)))) + 1
+    // Where the earlier one begins the later is not lower: they cross there or after it, and towards zero is down.
+    debug_assert!(numerator >= 0, "parabolas stand from left to right");
+    saturating_i64_of_f64(nearest_f64(numerator) / nearest_f64(apart.wrapping_mul(2))) + 1
 }
 
 /// The parabolas that are lowest somewhere, from left to right; gives how many.

@@ -6,11 +6,11 @@
 //! of cells is impassable, as in the published planner.
 
 use floorguard_mapping::GridCoordinates;
-use floorguard_types::number::{exact_usize, truncating_i32, truncating_u32};
+use floorguard_types::number::{exact_usize, truncating_u32};
 
 use super::bucket_queue::{BUCKETS, BucketQueue};
 use super::step_costs::StepCosts;
-use crate::costmap::CostmapView;
+use crate::costmap::{CostmapView, Costs};
 
 /// How to search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,27 +57,36 @@ pub struct GridSearch<D, Q> {
 struct Run<'a> {
     costs: &'a [u8],
     columns: usize,
-    width: u32,
+    /// A* towards the goal; else Dijkstra.
+    is_directed: bool,
     goal: Option<Place>,
 }
 
 #[derive(Clone, Copy)]
 struct Place {
     cell: usize,
-    column: i32,
-    row: i32,
+    column: u32,
+    row: u32,
 }
 
 impl Run<'_> {
     /// Octile distance at the cheapest costs: never more than what is left.
     #[inline]
     fn estimate(&self, cell: usize) -> u32 {
-        let Some(goal) = self.goal.filter(|_| self.width == WIDTH_ASTAR) else { return 0 };
-        let (row, column) = (cell / self.columns.max(1), cell % self.columns.max(1));
-        let (dx, dy) = (truncating_i32(column).abs_diff(goal.column), truncating_i32(row).abs_diff(goal.row));
+        let Some(goal) = self.goal.filter(|_| self.is_directed) else { return 0 };
+        // In 32 bits, which hold every cell: the division is what an estimate costs.
+        let (cell, columns) = (truncating_u32(cell), truncating_u32(self.columns).max(1));
+        let (row, column) = (cell / columns, cell % columns);
+        let (dx, dy) = (column.abs_diff(goal.column), row.abs_diff(goal.row));
         let (less, more) = (dx.min(dy), dx.max(dy));
         less.wrapping_mul(StepCosts::NEUTRAL_DIAGONAL)
             .wrapping_add(more.wrapping_sub(less).wrapping_mul(StepCosts::NEUTRAL))
+    }
+
+    /// Number of the bucket of a distance. Both widths are constants: no division is left.
+    #[inline]
+    const fn bucket(&self, distance: u32) -> u32 {
+        if self.is_directed { distance / WIDTH_ASTAR } else { distance / WIDTH_DIJKSTRA }
     }
 }
 
@@ -120,10 +129,10 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         let run = Run {
             costs: costmap.costs(),
             columns: geometry.columns(),
-            width: if method == SearchMethod::AStar && goal.is_some() { WIDTH_ASTAR } else { WIDTH_DIJKSTRA },
+            is_directed: method == SearchMethod::AStar && goal.is_some(),
             goal: goal.map(|cell| {
                 let GridCoordinates { column, row } = geometry.coordinates(cell);
-                Place { cell, column, row }
+                Place { cell, column: column.unsigned_abs(), row: row.unsigned_abs() }
             }),
         };
         self.queue.clear();
@@ -131,7 +140,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         if !self.prepare(&run, start) {
             return SearchEnd::OutOfRoom;
         }
-        let bucket = run.estimate(start) / run.width;
+        let bucket = run.bucket(run.estimate(start));
         if !self.queue.push(exact_usize(bucket), truncating_u32(start)) {
             return SearchEnd::OutOfRoom;
         }
@@ -141,9 +150,11 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
     /// Marks what is blocked.
     fn prepare(&mut self, run: &Run<'_>, start: usize) -> bool {
         let Some(kept) = self.distances.as_mut().get_mut(..run.costs.len()) else { return false };
-        let steps = &self.steps;
+        // By comparison and not by table: sixteen cells at a time.
+        let passes_unknown = self.steps.straight(Costs::UNKNOWN) > 0;
         for (value, &cost) in kept.iter_mut().zip(run.costs) {
-            *value = if steps.straight(cost) == 0 { BLOCKED } else { UNREACHED };
+            let is_open = (cost < Costs::INSCRIBED) | (passes_unknown & (cost == Costs::UNKNOWN));
+            *value = if is_open { UNREACHED } else { BLOCKED };
         }
         let columns = run.columns.max(1);
         for line in kept.chunks_exact_mut(columns) {
@@ -203,7 +214,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
     /// Nothing from this bucket on can shorten the path to the goal.
     fn is_final(&self, run: &Run<'_>, bucket: u32) -> bool {
         let distance = run.goal.and_then(|goal| self.distance(goal.cell));
-        distance.is_some_and(|distance| distance / run.width < bucket)
+        distance.is_some_and(|distance| run.bucket(distance) < bucket)
     }
 
     /// Looks at the eight neighbours; false: full. `kept` is the cell's distance + 1.
@@ -251,9 +262,9 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
             *value = kept;
         }
         let key = distance.wrapping_sub(1).wrapping_add(run.estimate(step.to));
-        let bucket = key / run.width;
-        if run.width == WIDTH_DIJKSTRA && step.there != UNREACHED {
-            let before = (step.there >> 1).wrapping_sub(1) / run.width;
+        let bucket = run.bucket(key);
+        if !run.is_directed && step.there != UNREACHED {
+            let before = run.bucket((step.there >> 1).wrapping_sub(1));
             if before == bucket {
                 return true;
             }
