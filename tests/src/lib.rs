@@ -13,6 +13,7 @@ pub mod exploration;
 pub mod fuzz;
 pub mod lidar_frames;
 pub mod online;
+pub mod pedestrians;
 pub mod prediction;
 pub mod removal;
 pub mod reproduce;

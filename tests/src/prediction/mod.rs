@@ -5,4 +5,4 @@ mod score;
 mod tracks;
 
 pub use score::{PredictionScore, Predictions, evaluate};
-pub use tracks::{TrackSet, load};
+pub use tracks::{TrackRow, TrackSet, load, rows};

@@ -10,5 +10,6 @@ mod navigation_docking;
 mod navigation_drive;
 mod navigation_exploration;
 mod navigation_paths;
+mod navigation_pedestrians;
 mod navigation_prediction;
 mod navigation_tour;

@@ -23,7 +23,7 @@ const STARTED_MPS: f32 = 0.05;
 
 /// The rules, and who is near.
 #[derive(Clone, Debug)]
-pub(super) struct GuardModel {
+pub struct GuardModel {
     body: Body,
     drive: DriveLimits,
     thresholds: Thresholds,
@@ -32,7 +32,8 @@ pub(super) struct GuardModel {
 
 impl GuardModel {
     /// Of a robot with nobody around.
-    pub(super) fn of(robot: &RobotConfiguration) -> Self {
+    #[must_use]
+    pub fn of(robot: &RobotConfiguration) -> Self {
         Self {
             body: Body::around(&robot.geometry.footprint),
             drive: robot.guard().drive,
@@ -42,7 +43,7 @@ impl GuardModel {
     }
 
     /// These people are known now.
-    pub(super) fn meet(&mut self, people: &[MovingPerson], here: Point2) {
+    pub fn meet(&mut self, people: &[MovingPerson], here: Point2) {
         self.people.clear();
         self.people.extend(people.iter().filter(|person| person.position_in_map.distance(here) < REACH_M));
         let distance_m = |person: &MovingPerson| person.position_in_map.distance(here);
@@ -86,18 +87,20 @@ impl PermittedMotion for GuardModel {
             }
             let velocity_mps = turned(velocity.x_m, velocity.y_m);
             let position_sigma_m = person.position_deviation_m.min(DEVIATION_MAX_M);
+            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
+            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
+            // Nobody is reached who is farther away than the way of that time: most people, and the cheapest question.
+            if gap_m > radius_m + relative.norm() * clear_s {
+                continue;
+            }
             let advised = AdvisedPerson {
                 position: in_base,
                 velocity_mps,
                 position_sigma_m,
                 ..AdvisedPerson::default()
             };
-            if self.body.recedes_from(&advised, twist) {
-                continue;
-            }
-            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
-            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
-            if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
+            let comes_near = comes_near(&self.body, (in_base, relative), (gap_m, radius_m, clear_s));
+            if comes_near && !self.body.recedes_from(&advised, twist) {
                 return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
             }
         }
@@ -105,16 +108,15 @@ impl PermittedMotion for GuardModel {
     }
 }
 
-/// At a constant relative velocity the body would touch a person within a time: at its end, or where the person is nearest.
-fn comes_near(body: &Body, (place, relative): (Point2, Point2), (radius_m, within_s): (f32, f32)) -> bool {
+/// At a constant relative velocity the body, now `gap_m` away, would come nearer to a person than a radius within a time.
+fn comes_near(
+    body: &Body,
+    (place, relative): (Point2, Point2),
+    (gap_m, radius_m, within_s): (f32, f32, f32),
+) -> bool {
     let after = |time_s: f32| {
         body.distance_m(Point2::new(place.x_m + time_s * relative.x_m, place.y_m + time_s * relative.y_m))
     };
-    let gap_m = after(0.0);
-    // Nobody is reached who is farther away than the way of that time.
-    if gap_m > radius_m + relative.norm() * within_s {
-        return false;
-    }
     [0.33, 0.66, 1.0]
         .into_iter()
         .map(|share| after(share * within_s))

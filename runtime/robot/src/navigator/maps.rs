@@ -31,6 +31,8 @@ const FORGET_M: f32 = 6.0;
 /// Hills of cost at places where the robot did not get through.
 const STUCK: PeopleCost =
     PeopleCost { collision_radius_m: 0.0, deviation_m: 0.5, ahead_m_per_mps: 0.0, peak: 220 };
+/// Hills of cost around people: a body, and the inscribed disc of the robot.
+pub(super) const HILLS: PeopleCost = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };
 /// Places that are kept.
 const STUCK_MAX: usize = 16;
 
@@ -283,8 +285,7 @@ impl Maps {
             self.window.observed[cell] =
                 if is_marked { Occupancy::Occupied } else { of(observed, Occupancy::Unknown) };
         }
-        let shape = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };
-        self.window.compose(&self.inflation, (people, shape));
+        self.window.compose(&self.inflation, (people, HILLS));
     }
 
     /// The global costs.

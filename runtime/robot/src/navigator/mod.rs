@@ -10,6 +10,7 @@ mod exploring;
 mod goal_search;
 mod goals;
 mod guard_model;
+mod local_planning;
 mod maps;
 mod model;
 #[cfg(test)]
@@ -28,6 +29,8 @@ mod touring;
 
 pub use drive::Navigator;
 pub use goals::{DriveOrder, DriveOrders, OrderedGoal};
+pub use guard_model::GuardModel;
+pub use local_planning::LocalPlanning;
 pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
     CostmapImage, ExplorationProgress, NavigationPhase, NavigationProgress, NavigationWatch,

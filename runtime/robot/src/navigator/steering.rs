@@ -13,7 +13,7 @@ use super::model::Model;
 use super::plan::NavigationSettings;
 
 /// Samples of ours.
-const SAMPLES: usize = 500;
+pub(super) const SAMPLES: usize = 500;
 /// A follower looks this far along its motion for obstacles, seconds.
 const LOOK_S: [f32; 3] = [0.4, 0.8, 1.2];
 

@@ -45,6 +45,8 @@ enum Experiment {
     SlidingWindow,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
+    /// Drives through recorded pedestrians: ours beside the dynamic window and beside standing until the path is free; a trial is a start.
+    Pedestrians,
     /// People out of three-dimensional maps: our remover beside others; a trial is a random building.
     PeopleRemoval,
     /// Tours back to where people stood, driven until what they hid has been seen; a trial is a random building.
@@ -71,6 +73,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Dirt => ("dirt", 4),
         Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
+        Experiment::Pedestrians => ("pedestrians", 20),
         Experiment::PeopleRemoval => ("people-removal", 10),
         Experiment::Revisits => ("revisits", 10),
         Experiment::SlamInSpace => ("slam3d", 1),
