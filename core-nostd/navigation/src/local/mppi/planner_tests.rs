@@ -134,6 +134,33 @@ fn lets_a_crossing_person_pass() {
     }
 }
 
+/// A corner of a long robot that turns on the spot sweeps over somebody who stands beside its front.
+#[test]
+fn turning_on_the_spot_touches_people() {
+    let costs = costs(|_| false);
+    let corners = [(0.95, 0.4), (-0.45, 0.4), (-0.45, -0.4), (0.95, -0.4)];
+    let footprint = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
+    let position_in_map = Point2::new(0.75, 0.85);
+    let person = MovingPerson { position_in_map, position_deviation_m: 0.05, ..MovingPerson::default() };
+    let stage = Stage {
+        config: &CONFIG,
+        footprint: &footprint,
+        costmap: CostmapView::new(geometry(), &costs, 0).unwrap(),
+        guard: &AlwaysPermitted,
+        path: PathLeft::new(&straight_path(6.0), Point2::default()).unwrap(),
+        people: Forecast::new(&[person], Point2::default(), (0.1, 0.0)),
+        pose: Pose2::default(),
+        twist: Twist2::ZERO,
+        speed_limit_mps: f32::INFINITY,
+    };
+    let is_free = |angular_radps: f32| {
+        let turn = Twist2 { linear_mps: 0.0, angular_radps };
+        stage.play(&[turn; MPPI_STEPS]).is_free
+    };
+    assert!(is_free(0.0) && is_free(-0.6), "standing and turning away touch nobody");
+    assert!(!is_free(0.6));
+}
+
 /// A guard that permits nothing on the left, and only this speed elsewhere, m/s.
 struct Strict(f32);
 

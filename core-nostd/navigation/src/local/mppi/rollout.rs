@@ -12,6 +12,9 @@ use crate::costmap::{CostmapView, Costs, Placement, outline_cost};
 /// Nearer than this the true outline counts, metres.
 const NEAR_M: f32 = 0.3;
 
+/// A body of which nothing moves faster than this stands: people who walk into it do so by themselves, m/s.
+const MOVES_MPS: f32 = 0.05;
+
 /// What does not change from sample to sample.
 pub(super) struct Stage<'a, P> {
     pub(super) config: &'a MppiConfig,
@@ -175,7 +178,9 @@ impl<P: PermittedMotion> Stage<'_, P> {
         // Far from the body the circumscribed disc is near enough; it never says farther than it is.
         let far_m = libm::sqrtf(squared_m2) - around_m;
         let gap_m = if far_m > NEAR_M { far_m } else { self.gap_m(robot, Point2::new(dx_m, dy_m)) };
-        let is_moving = libm::fabsf(robot.twist.linear_mps) > 0.05;
+        // A corner of a long robot that turns on the spot moves as fast as one that drives.
+        let rim_mps = libm::fabsf(robot.twist.angular_radps) * self.footprint.circumscribed_radius_m();
+        let is_moving = libm::fabsf(robot.twist.linear_mps).max(rim_mps) > MOVES_MPS;
         if gap_m <= 0.0 && is_moving && person.deviation_m < 2.0 * config.person_radius_m {
             return None;
         }
