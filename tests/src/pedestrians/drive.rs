@@ -15,7 +15,7 @@ use super::start::Start;
 pub const LIMIT_S: f32 = 60.0;
 /// The goal is reached within, metres.
 const REACHED_M: f32 = 0.5;
-/// Whoever met the robot is followed for so long after it, seconds.
+/// Who met the robot is followed for so long after it, seconds.
 const AFTER_S: f32 = 40.0;
 /// Farther away nobody is known, metres, and what is known is doubtful by so much, metres and m/s.
 const SEEN_M: f32 = 10.0;

@@ -1,4 +1,4 @@
-//! What the navigator's local planners are made of, for whoever lets them drive without the rest of the robot.
+//! What the navigator's local planners are made of, for a program that lets them drive without the rest of the robot.
 //!
 //! An experiment that had parameters of its own would judge another robot.
 
