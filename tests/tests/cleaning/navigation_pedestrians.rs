@@ -2,7 +2,7 @@
 
 use floorguard_tests::data::recording;
 use floorguard_tests::pedestrians::{
-    Behaviour, Driven, Policy, Recording, SCENES, Trial, draw, drive, example_robot, undisturbed,
+    Behaviour, Policy, Recording, SCENES, Trial, draw, drive, example_robot, undisturbed,
 };
 
 fn quiet_scene() -> Option<Recording> {
