@@ -43,6 +43,7 @@ pub mod ranging;
 pub mod roboteq;
 pub mod rplidar;
 pub mod s300;
+pub mod scan_link;
 pub mod scan_motor;
 pub mod scip;
 mod second_rings;
