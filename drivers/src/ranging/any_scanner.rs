@@ -3,6 +3,7 @@
 use floorguard_types::profile::{Native, Profile};
 use floorguard_types::time::Stamp;
 
+use super::bridged::BridgedOf;
 use super::contract::{RangingEvent, RangingScanner};
 use super::hokuyo::HokuyoOf;
 use super::rplidar::RplidarOf;
@@ -19,6 +20,8 @@ pub enum AnyRangingScannerOf<P: Profile> {
     Cola(ColaOf<P>),
     /// Slamtec RPLidar.
     Rplidar(RplidarOf<P>),
+    /// Any scanner behind a bridge.
+    Bridged(BridgedOf<P>),
 }
 
 /// For the scanners of the target.
@@ -30,6 +33,7 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
             Self::Hokuyo(scanner) => scanner.push(bytes, now, event),
             Self::Cola(scanner) => scanner.push(bytes, now, event),
             Self::Rplidar(scanner) => scanner.push(bytes, now, event),
+            Self::Bridged(scanner) => scanner.push(bytes, now, event),
         }
     }
 
@@ -43,6 +47,7 @@ impl<P: Profile> RangingScanner<P> for AnyRangingScannerOf<P> {
             Self::Hokuyo(scanner) => scanner.poll(now, send, event),
             Self::Cola(scanner) => scanner.poll(now, send, event),
             Self::Rplidar(scanner) => scanner.poll(now, send, event),
+            Self::Bridged(scanner) => scanner.poll(now, send, event),
         }
     }
 }

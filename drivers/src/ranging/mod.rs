@@ -4,12 +4,14 @@
 //! do not report is unknown: never free.
 
 mod any_scanner;
+mod bridged;
 mod contract;
 mod hokuyo;
 mod rplidar;
 mod sick;
 
 pub use any_scanner::{AnyRangingScanner, AnyRangingScannerOf};
+pub use bridged::{Bridged, BridgedOf};
 pub use contract::{RangingEvent, RangingScanner};
 pub use hokuyo::{Hokuyo, HokuyoOf, URG_04LX_FULL, UST_FULL};
 pub use rplidar::{RPLIDAR_A, RPLIDAR_S, Rplidar, RplidarConfiguration, RplidarOf};

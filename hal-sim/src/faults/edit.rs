@@ -1,8 +1,10 @@
 //! Changes inside messages that stay well-formed: values, clocks, sender marks; checksums are made good again.
 
+use super::bridged_edit::scan_datagram;
 use crate::can::CanFrame;
 use crate::wire::{
-    BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, reseal_message, reseal_telegram, reseal_vectornav,
+    BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, LINK_CRC_BYTES, SCAN_HEAD_BYTES, SCAN_START, reseal_message,
+    reseal_telegram, reseal_vectornav,
 };
 use crate::wire::{Payload, Stream, WireEvent};
 
@@ -40,6 +42,11 @@ pub fn apply(edit: Edit, event: &mut WireEvent) {
         (Stream::ScannerSerial, Payload::Bytes(bytes)) if bytes.len() > WORDS_FROM + CRC_BYTES => {
             scanner(edit, bytes);
             reseal_telegram(bytes);
+        }
+        (Stream::ScannerData, Payload::Bytes(bytes))
+            if bytes.starts_with(SCAN_START) && bytes.len() > SCAN_HEAD_BYTES + LINK_CRC_BYTES =>
+        {
+            scan_datagram(edit, bytes);
         }
         (Stream::ScannerData, Payload::Bytes(bytes)) if bytes.len() > DATAGRAM_HEADER => {
             scanner_datagram(edit, bytes);

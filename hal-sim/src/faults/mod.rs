@@ -1,5 +1,6 @@
 //! Faults as seeded middleware between the devices and their receivers.
 
+mod bridged_edit;
 mod edit;
 mod layer;
 mod spec;

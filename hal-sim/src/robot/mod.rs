@@ -9,8 +9,8 @@ mod velocity_base;
 pub use crate::wire::OusterFormat;
 pub use brush_deck::{BrushDeck, BrushPass};
 pub use parameters::{
-    BodyPrism, HokuyoModel, ImuDevice, LidarDevice, NodeIds, OusterDevice, RobotParameters, RplidarModel,
-    ScannerDevice, SensorMount, SickModel, Train,
+    BodyPrism, BridgedScans, HokuyoModel, ImuDevice, LidarDevice, NodeIds, OusterDevice, RobotParameters,
+    RplidarModel, ScannerDevice, SensorMount, SickModel, Train,
 };
 pub use physics::{BrakeLaw, RobotBody};
 pub use velocity_base::VelocityBase;

@@ -129,6 +129,23 @@ pub enum ScannerDevice {
     Sick(SickModel),
     /// An RPLidar, which is none either.
     Rplidar(RplidarModel),
+    /// Any scanner behind a bridge, which makes it none either.
+    Bridged(BridgedScans),
+}
+
+/// What a bridge sends: beams, their angles in millionths of a degree, the period, and the distances that are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BridgedScans {
+    /// Beams of a scan.
+    pub beams: u16,
+    /// Angle of the first one, counter-clockwise from straight ahead.
+    pub first_udeg: i32,
+    /// From beam to beam.
+    pub step_udeg: u32,
+    /// From scan to scan, microseconds.
+    pub period_us: u32,
+    /// Nearest and farthest distance, millimetres.
+    pub range_mm: [u16; 2],
 }
 
 /// Which inertial sensor it carries.

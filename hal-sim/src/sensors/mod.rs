@@ -1,6 +1,7 @@
 //! The sensors: what they measure in the world and the bytes they send.
 
 mod bridged;
+mod bridged_scanner;
 mod depth_camera;
 mod floor_camera_sensor;
 mod imu;

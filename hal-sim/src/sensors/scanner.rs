@@ -1,10 +1,12 @@
 //! The scanner: what it measures in a turn of its mirror, and its link to the robot's computer.
 //!
-//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3). A Hokuyo (book,
+//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3), and so does a
+//! bridge (book, Scan link). A Hokuyo (book,
 //! SCIP 2.0), a TiM or LMS (book, CoLa) and an RPLidar must be asked.
 
 use floorguard_types::random::Pcg32;
 
+use super::bridged_scanner::ScanBridge;
 use super::{RplidarScanner, SickScanner, View};
 use crate::actuated::{LidarModel, ScanLidar};
 use crate::robot::{HokuyoModel, ScannerDevice};
@@ -74,6 +76,8 @@ pub struct Scanner {
     cycle_start_us: u64,
     /// One that must be asked, and when it measures next.
     asked: Option<(AskedScanner, u64)>,
+    /// The program that sends its scans, where one does.
+    bridge: Option<ScanBridge>,
     scan: u32,
     /// What it is doing.
     pub state: ScannerState,
@@ -106,6 +110,7 @@ impl Scanner {
         let beams = match device {
             ScannerDevice::S300 => 541,
             ScannerDevice::MicroScan3(beams) => usize::from(beams.max(2)),
+            ScannerDevice::Bridged(scans) => usize::from(scans.beams.max(2)),
             ScannerDevice::Hokuyo(_) | ScannerDevice::Sick(_) | ScannerDevice::Rplidar(_) => 0,
         };
         let own = |random: &mut Pcg32| u64::from(random.below(u32::MAX));
@@ -121,7 +126,11 @@ impl Scanner {
             ScannerDevice::Rplidar(model) => {
                 Some(AskedScanner::Rplidar(RplidarScanner::new(model, own(&mut random))))
             }
-            ScannerDevice::S300 | ScannerDevice::MicroScan3(_) => None,
+            ScannerDevice::S300 | ScannerDevice::MicroScan3(_) | ScannerDevice::Bridged(_) => None,
+        };
+        let bridge = match device {
+            ScannerDevice::Bridged(scans) => Some(ScanBridge::new(scans, &mut random)),
+            _ => None,
         };
         let asked = asked.map(|scanner| (scanner, ASKED_US));
         Self {
@@ -130,6 +139,7 @@ impl Scanner {
             next_beam: 0,
             cycle_start_us: 0,
             asked,
+            bridge,
             scan,
             state: ScannerState::default(),
             random,
@@ -140,13 +150,16 @@ impl Scanner {
     #[must_use]
     pub const fn stream(&self) -> Stream {
         match self.device {
-            ScannerDevice::MicroScan3(_) => Stream::ScannerData,
+            ScannerDevice::MicroScan3(_) | ScannerDevice::Bridged(_) => Stream::ScannerData,
             _ => Stream::ScannerSerial,
         }
     }
 
     /// First angle and step, degrees; 0 is straight ahead.
     fn angles_deg(&self) -> (f64, f64) {
+        if let Some(bridge) = &self.bridge {
+            return bridge.angles_deg();
+        }
         let sector_deg = if self.stream() == Stream::ScannerSerial { 270.0 } else { 275.0 };
         (-sector_deg / 2.0, sector_deg / (self.echoes.len() - 1) as f64)
     }
@@ -154,7 +167,12 @@ impl Scanner {
     /// From beam to beam, nanoseconds.
     fn beam_ns(&self) -> u64 {
         let (_, step_deg) = self.angles_deg();
-        (step_deg / 360.0 * (CYCLE_US * 1_000) as f64).round() as u64
+        (step_deg / 360.0 * (self.cycle_us() * 1_000) as f64).round() as u64
+    }
+
+    /// A turn of its mirror, microseconds.
+    fn cycle_us(&self) -> u64 {
+        self.bridge.as_ref().map_or(CYCLE_US, ScanBridge::period_us)
     }
 
     fn beam_at_us(&self, beam: usize) -> u64 {
@@ -168,7 +186,7 @@ impl Scanner {
             return due_us;
         }
         if self.next_beam >= self.echoes.len() {
-            self.cycle_start_us + CYCLE_US
+            self.cycle_start_us + self.cycle_us()
         } else {
             self.beam_at_us(self.next_beam + self.echoes.len() / RUNS_A_SCAN)
         }
@@ -180,8 +198,8 @@ impl Scanner {
             *due_us = now_us + ASKED_US;
             return measure_asked(scanner, self.state, view, (now_us, step_us));
         }
-        if self.next_beam >= self.echoes.len() && now_us >= self.cycle_start_us + CYCLE_US {
-            self.cycle_start_us += CYCLE_US;
+        if self.next_beam >= self.echoes.len() && now_us >= self.cycle_start_us + self.cycle_us() {
+            self.cycle_start_us += self.cycle_us();
             self.next_beam = 0;
             return Vec::new();
         }
@@ -206,6 +224,7 @@ impl Scanner {
         self.scan = self.scan.wrapping_add(1);
         match self.device {
             ScannerDevice::MicroScan3(_) => self.message(now_us),
+            ScannerDevice::Bridged(_) => self.bridged(now_us),
             _ => self.telegram(now_us),
         }
     }
@@ -239,6 +258,16 @@ impl Scanner {
             (now_us + PROCESSING_US + sent * BYTE_US, chunk.to_vec())
         };
         bytes.chunks(bytes.len().div_ceil(PIECES)).map(&mut piece).collect()
+    }
+
+    /// One that does not measure says so by nothing but beams without a return.
+    fn bridged(&self, now_us: u64) -> Vec<(u64, Vec<u8>)> {
+        let measures = self.state == ScannerState::Measuring;
+        let range_m = |echo: &Option<Echo>| echo.filter(|_| measures).map(|echo| echo.range_m);
+        let times = (self.scan, self.cycle_start_us, now_us);
+        let sent = self.bridge.as_ref();
+        sent.map(|bridge| bridge.send(times, self.beam_ns(), self.echoes.iter().map(range_m)))
+            .unwrap_or_default()
     }
 
     fn message(&self, now_us: u64) -> Vec<(u64, Vec<u8>)> {

@@ -1,5 +1,5 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Livox; book, Velocity link; book, SCIP 2.0).
+//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Scan link; book, Livox; book, Velocity link; book, SCIP 2.0).
 
 mod cola;
 mod event;
@@ -10,6 +10,7 @@ mod microscan3;
 mod ouster;
 mod rplidar;
 mod s300;
+mod scan_link;
 mod scip;
 mod vectornav;
 mod velocity;
@@ -28,6 +29,9 @@ pub use microscan3::{
 pub use ouster::{OusterFormat, OusterPacket};
 pub use rplidar::{rplidar_capsule, rplidar_dense_capsule, rplidar_descriptor};
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
+pub use scan_link::{
+    LINK_CRC_BYTES, SCAN_HEAD_BYTES, SCAN_START, ScanNote, reseal_link, scan_link_datagrams,
+};
 pub use scip::{scip_line, scip_number, scip_reply, scip_scan};
 pub use vectornav::{
     COMMON_FIELDS, SATURATION_FIELD, VectorNavReader, VectorNavSample, reseal_vectornav, vectornav_frame,

@@ -72,7 +72,7 @@ pub enum ScipAddress {
 pub enum ScannerAddress {
     /// An S300's line.
     Serial(SerialAddress),
-    /// The port to which a microScan3 sends.
+    /// The port to which a microScan3 or a bridge sends.
     Datagrams(DatagramAddress),
     /// The line or the connection of a scanner that must be asked.
     Wire(ScipAddress, RangingModel),

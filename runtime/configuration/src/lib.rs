@@ -6,6 +6,7 @@ mod address;
 mod asked;
 mod bake;
 mod base;
+mod bridged_scanner;
 mod camera;
 mod command;
 mod coverage;
@@ -37,6 +38,7 @@ pub use address::{
     BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SenderAddress, SerialAddress,
 };
 pub use bake::bake;
+pub use bridged_scanner::{BRIDGED_EXAMPLE, bridged_scanner_keys};
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
 pub use coverage::{

@@ -7,6 +7,7 @@ use floorguard_types::units::radians;
 
 use super::actuated_lidar::read_scip_source;
 use super::address::{ScannerAddress, SerialAddress};
+use super::bridged_scanner::{NO_SHAPE, read_bridged};
 use super::devices::{read_datagrams, read_mounting, read_serial};
 use super::reader::Reader;
 
@@ -99,8 +100,15 @@ fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<Sc
         ("sick-lms1xx", ScannerModel::Ranging(RangingModel::SickLms1xx)),
         ("rplidar-a", ScannerModel::Ranging(RangingModel::RplidarA)),
         ("rplidar-s", ScannerModel::Ranging(RangingModel::RplidarS)),
+        ("bridged", ScannerModel::Ranging(RangingModel::Bridged(NO_SHAPE))),
     ];
     let model = section.choice("model", &models);
+    if let Some(ScannerModel::Ranging(RangingModel::Bridged(_))) = model {
+        let shape = read_bridged(section);
+        let source = read_datagrams(section, "udp:127.0.0.1:2370");
+        let model = shape.map(|shape| ScannerModel::Ranging(RangingModel::Bridged(shape)));
+        return (model, source.map(ScannerAddress::Datagrams));
+    }
     let beams =
         section.integer_or("beams", 276..=i64::from(MICROSCAN3_BEAMS), i64::from(MICROSCAN3_BEAMS)) as u16;
     if let Some(ScannerModel::MicroScan3 { .. }) = model {

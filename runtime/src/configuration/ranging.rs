@@ -1,8 +1,10 @@
 //! Scanners that are no safety devices: what each model measures, and its driver.
 
 use floorguard_drivers::ranging::{
-    AnyRangingScanner, Cola, Hokuyo, LMS1XX, RPLIDAR_A, RPLIDAR_S, Rplidar, TIM5XX, URG_04LX_FULL, UST_FULL,
+    AnyRangingScanner, Bridged, Cola, Hokuyo, LMS1XX, RPLIDAR_A, RPLIDAR_S, Rplidar, TIM5XX, URG_04LX_FULL,
+    UST_FULL,
 };
+use floorguard_drivers::scan_link::ScanShape;
 
 /// The guard counts on so many scans until it stops: two that must agree, one that is not in step, one that may be lost.
 const COUNTED_SCANS: f32 = 4.0;
@@ -26,6 +28,8 @@ pub enum RangingModel {
     RplidarA,
     /// Slamtec RPLidar S1, S2 or S3, over USB or a serial line.
     RplidarS,
+    /// Any scanner behind a bridge: what its scans are, the robot's file says.
+    Bridged(ScanShape),
 }
 
 /// What its scans are, as the robot asks for them.
@@ -54,6 +58,7 @@ impl RangingModel {
             Self::SickLms1xx => AnyRangingScanner::Cola(Cola::new(LMS1XX)),
             Self::RplidarA => AnyRangingScanner::Rplidar(Rplidar::new(RPLIDAR_A)),
             Self::RplidarS => AnyRangingScanner::Rplidar(Rplidar::new(RPLIDAR_S)),
+            Self::Bridged(shape) => AnyRangingScanner::Bridged(Bridged::new(shape)),
         }
     }
 
@@ -67,6 +72,7 @@ impl RangingModel {
             Self::SickLms1xx => "SICK LMS1xx",
             Self::RplidarA => "RPLidar A",
             Self::RplidarS => "RPLidar S",
+            Self::Bridged(_) => "scanner behind a bridge",
         }
     }
 
@@ -80,6 +86,7 @@ impl RangingModel {
             Self::SickLms1xx => "sick-lms1xx",
             Self::RplidarA => "rplidar-a",
             Self::RplidarS => "rplidar-s",
+            Self::Bridged(_) => "bridged",
         }
     }
 
@@ -131,7 +138,20 @@ impl RangingModel {
                 period_s: 0.125,
                 range_m: [0.05, 30.0],
             },
+            Self::Bridged(shape) => RangingGeometry {
+                beams: shape.beams,
+                first_deg: (f64::from(shape.first_udeg) * 1.0e-6) as f32,
+                step_deg: (f64::from(shape.step_udeg) * 1.0e-6) as f32,
+                period_s: shape.period_us as f32 * 1.0e-6,
+                range_m: shape.range_mm.map(|range_mm| f32::from(range_mm) * 1.0e-3),
+            },
         }
+    }
+
+    /// It sends datagrams by itself, and is not asked.
+    #[must_use]
+    pub const fn sends_datagrams(self) -> bool {
+        matches!(self, Self::Bridged(_))
     }
 
     /// The robot stands so much later than behind a safety scanner, because its scans come more slowly, seconds.

@@ -106,6 +106,16 @@ impl ScannerModel {
         }
     }
 
+    /// It sends datagrams by itself; the others have a line or a connection.
+    #[must_use]
+    pub const fn sends_datagrams(self) -> bool {
+        match self {
+            Self::S300 => false,
+            Self::MicroScan3 { .. } => true,
+            Self::Ranging(model) => model.sends_datagrams(),
+        }
+    }
+
     /// Beams of a scan.
     #[must_use]
     pub fn beams(self) -> usize {

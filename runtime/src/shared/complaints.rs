@@ -4,6 +4,7 @@ use floorguard_drivers::inertial::InertialFault;
 use floorguard_drivers::lidar::LidarError;
 use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
+use floorguard_drivers::scan_link::DecodeError;
 use floorguard_drivers::velodyne::ClosedSector;
 
 /// The newest complaint about each device; it stays when the device has become good.
@@ -19,6 +20,8 @@ pub struct Complaints {
     pub rear_scanner: Option<TelegramError>,
     /// The same of a microScan3's datagram or message.
     pub scanner_message: Option<ScanError>,
+    /// The same of a datagram of a scanner behind a bridge.
+    pub scan_link: Option<DecodeError>,
     /// What keeps the inertial sensor from measuring.
     pub imu: Option<InertialFault>,
 }

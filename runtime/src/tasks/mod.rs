@@ -34,7 +34,10 @@ pub use lidar::lidar_input;
 pub use mission::{Mission, MissionMoment, drive_mission};
 pub use perception::{FindPeopleByLegs, JudgeMotion, NoMotion, PerceptionState, follow_legs, perceive};
 pub use route::drive_route;
-pub use scanner::{SEARCHED_STEP_RAD, ranging_scanner, rear_scanner_input, scanner_datagrams, scanner_input};
+pub use scanner::{
+    SEARCHED_STEP_RAD, ranging_datagrams, ranging_scanner, rear_scanner_input, scanner_datagrams,
+    scanner_input,
+};
 pub use supervise::supervise;
 pub use velocity::{VelocityRules, velocity_input};
 pub use velocity_base::velocity_base;

@@ -1,11 +1,11 @@
-//! The safety scanners: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP.
+//! The scanners: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP, and what is no safety device.
 
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
 use embedded_io_async::{Read, Write};
 use floorguard_drivers::ranging::{RangingEvent, RangingScanner};
-use floorguard_drivers::{microscan3, s300};
+use floorguard_drivers::{microscan3, s300, scan_link};
 use floorguard_guard::{FaultKind, Source};
 use floorguard_types::profile::Native;
 use floorguard_types::sensing::Scan;
@@ -216,6 +216,31 @@ pub async fn ranging_scanner<M: RawMutex>(
     }
 }
 
+/// A scanner that is no safety device and sends datagrams by itself. Guard ring. Runs for ever.
+pub async fn ranging_datagrams<M: RawMutex>(
+    shared: &Shared<M>,
+    mut socket: impl DatagramReceiver,
+    mut scanner: impl RangingScanner<Native>,
+) {
+    let mut buffer = [0; DATAGRAM_BYTES];
+    loop {
+        let Ok(received) = socket.receive(&mut buffer).await else {
+            link_down::<Front, M>(shared).await;
+            continue;
+        };
+        let bytes = buffer.get(..received.length).unwrap_or_default();
+        let now = clock::now();
+        let mut is_understood = false;
+        scanner.push(bytes, received.arrival, &mut |event| {
+            is_understood |= matches!(event, RangingEvent::Scan(_));
+            take_in(shared, &event, now);
+        });
+        if is_understood {
+            socket.keep_sender();
+        }
+    }
+}
+
 /// What it reports, for the guard. A sensor that does not answer is absent or stale by its age.
 fn take_in<M: RawMutex>(shared: &Shared<M>, event: &RangingEvent<'_, Native>, now: Stamp) {
     match event {
@@ -226,6 +251,14 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &RangingEvent<'_, Native>, no
         RangingEvent::StandBy => fault::<Front, M>(shared, FaultKind::StandBy, now),
         RangingEvent::Fault(code) => fault::<Front, M>(shared, FaultKind::Device(*code), now),
         RangingEvent::Unsuitable => fault::<Front, M>(shared, FaultKind::WrongGeometry, now),
+        RangingEvent::Datagram(error) => {
+            // Other datagrams may be a stranger's, or damaged, and say nothing about the scanner.
+            if matches!(error, scan_link::DecodeError::Shape { .. }) {
+                fault::<Front, M>(shared, FaultKind::WrongGeometry, now);
+            }
+            shared.complain(|complaints| complaints.scan_link = Some(*error));
+            count_one(shared, Front::refused);
+        }
         RangingEvent::Refused | RangingEvent::Silent => count_one(shared, Front::refused),
     }
 }

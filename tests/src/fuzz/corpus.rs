@@ -5,7 +5,8 @@ use floorguard_sim::can::CanFrame;
 use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::wire::{
-    ColaHeader, ColumnsDatagram, LivoxDatagram, OusterPacket, cola_scan, rplidar_capsule, rplidar_descriptor,
+    ColaHeader, ColumnsDatagram, LivoxDatagram, OusterPacket, ScanNote, cola_scan, rplidar_capsule,
+    rplidar_descriptor, scan_link_datagrams,
 };
 use floorguard_sim::{Payload, Simulation, Stream};
 
@@ -66,6 +67,23 @@ pub fn bridged_datagrams() -> Vec<Vec<u8>> {
         datagram.into_bytes()
     };
     (0..60).map(datagram).collect()
+}
+
+/// Datagrams of a bridge of 900 beams, two of each scan.
+#[must_use]
+pub fn bridged_scans() -> Vec<Vec<u8>> {
+    let datagrams = |sequence: u32| {
+        let note = ScanNote {
+            sender: 7,
+            sequence,
+            first_beam_us: 9_000_000 + u64::from(sequence) * 50_000,
+            angles_udeg: (-180_000_000, 400_000),
+            between_ns: 55_555,
+        };
+        let ranges_mm: Vec<u16> = (0..900).map(|beam| (beam * 37 + sequence as u16 * 5) % 30_000).collect();
+        scan_link_datagrams(&note, &ranges_mm)
+    };
+    (0..20).flat_map(datagrams).collect()
 }
 
 /// Datagrams of a Livox with few points: one begins 6.4 ms after the other, so that they last for 0.77 s.

@@ -9,10 +9,13 @@ mod corpus;
 mod corrupt;
 pub mod decoders;
 pub mod files;
+pub mod links;
 pub mod messages;
 pub mod motors;
 pub mod scanning;
 pub mod worlds;
 
-pub use corpus::{Corpus, bridged_datagrams, cola_scans, livox_datagrams, ouster_turn, rplidar_turns};
+pub use corpus::{
+    Corpus, bridged_datagrams, bridged_scans, cola_scans, livox_datagrams, ouster_turn, rplidar_turns,
+};
 pub use corrupt::{corrupt, pick};

@@ -6,6 +6,8 @@ mod lidar_bridges;
 mod lidar_senders;
 mod microscan3_scans;
 mod same_verdicts;
+mod scan_bridges;
+mod sim_bridged_scanner;
 mod sim_can;
 mod sim_hesai;
 mod sim_hokuyo;

@@ -1,19 +1,22 @@
 //! The same worlds driven with each lidar, scanner and base: the judge of contacts, which knows nothing of sensors, says the same.
 
-use floorguard_configuration::{EXAMPLE, bridged_keys, livox_keys, ouster_example, ouster_keys};
+use floorguard_configuration::{
+    BRIDGED_EXAMPLE, EXAMPLE, bridged_keys, bridged_scanner_keys, livox_keys, ouster_example, ouster_keys,
+};
 use floorguard_drivers::ouster::{Beams, DataFormat};
 use floorguard_laboratory::plan::Plan;
 use floorguard_laboratory::world::{Observer, load_scenario, run_virtual};
 use floorguard_runtime::configuration::{RangingModel, ScannerModel};
 use floorguard_sim::Scenario;
 
-const RANGING: [RangingModel; 6] = [
+const RANGING: [RangingModel; 7] = [
     RangingModel::HokuyoUst,
     RangingModel::HokuyoUrg04lx,
     RangingModel::SickTim5xx,
     RangingModel::SickLms1xx,
     RangingModel::RplidarA,
     RangingModel::RplidarS,
+    RangingModel::Bridged(BRIDGED_EXAMPLE),
 ];
 
 /// A closed room with a box of 30 cm before the robot. Its walls are within the range of the weakest scanner, 4 m.
@@ -126,7 +129,7 @@ fn fg_req_085_ranging_scanners_stand_in_open_halls() {
 const ROBOTS: [(&str, &str, &str, RangingModel); 4] = [
     ("differential", "left_drive_node = 1\nright_drive_node = 2\n", "ouster", RangingModel::HokuyoUst),
     ("tricycle", NODES, "pandar-xt32", RangingModel::SickTim5xx),
-    ("ackermann", NODES, "columns", RangingModel::RplidarS),
+    ("ackermann", NODES, "columns", RangingModel::Bridged(BRIDGED_EXAMPLE)),
     (
         "omnidirectional",
         "front_left_drive_node = 1\nfront_right_drive_node = 2\nrear_left_drive_node = 3\nrear_right_drive_node = 4\n",
@@ -144,10 +147,11 @@ fn robot_file((kind, nodes, lidar, scanner): (&str, &str, &str, RangingModel)) -
         "columns" => bridged_keys(),
         plain => format!("model = \"{plain}\"\n"),
     };
-    let scanner = format!(
-        "model = \"{}\"\nsource = \"tcp:192.168.0.10:2112\"\naccept_uncertified_mps = 0.3\n",
-        scanner.key()
-    );
+    let device = match scanner {
+        RangingModel::Bridged(shape) => bridged_scanner_keys(&shape),
+        asked => format!("model = \"{}\"\nsource = \"tcp:192.168.0.10:2112\"\n", asked.key()),
+    };
+    let scanner = device + "accept_uncertified_mps = 0.3\n";
     let changes = [
         (NODES, nodes),
         ("\n[limits]\n", &format!("\n[base]\nkind = \"{kind}\"\n{steering}[limits]\n")),

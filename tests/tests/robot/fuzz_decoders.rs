@@ -7,8 +7,8 @@ use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
 use floorguard_tests::fuzz::{
-    Corpus, bridged_datagrams, cola_scans, corrupt, decoders, files, livox_datagrams, messages, motors,
-    ouster_turn, pick, rplidar_turns,
+    Corpus, bridged_datagrams, bridged_scans, cola_scans, corrupt, decoders, files, links, livox_datagrams,
+    messages, motors, ouster_turn, pick, rplidar_turns,
 };
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
@@ -68,6 +68,20 @@ fn fuzz_lidar_link() {
         let mut datagrams: Vec<Vec<u8>> = (0..3).map(|_| pick::<Vec<u8>>(&corpus, random).clone()).collect();
         corrupt(&mut datagrams[1], pick::<Vec<u8>>(&corpus, random), 4_096, random);
         decoders::lidar_link(&datagrams)
+    });
+}
+
+#[test]
+fn fuzz_scan_link() {
+    let corpus = bridged_scans();
+    campaign(4_000, |random| {
+        // Two scans of two datagrams each; the first datagram of the second one, or both of the first, are damaged.
+        let mut datagrams: Vec<Vec<u8>> = corpus[..4].to_vec();
+        corrupt(&mut datagrams[2], pick::<Vec<u8>>(&corpus, random), 4_096, random);
+        if random.seldom(4) {
+            corrupt(&mut datagrams[0], pick::<Vec<u8>>(&corpus, random), 4_096, random);
+        }
+        links::scan_link(&datagrams, &corpus[6..8])
     });
 }
 

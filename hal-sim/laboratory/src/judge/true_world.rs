@@ -3,8 +3,8 @@
 use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
 use floorguard_sim::robot::{
-    BodyPrism, HokuyoModel, LidarDevice, RobotBody, RobotParameters, RplidarModel, ScannerDevice,
-    SensorMount, SickModel,
+    BodyPrism, BridgedScans, HokuyoModel, LidarDevice, RobotBody, RobotParameters, RplidarModel,
+    ScannerDevice, SensorMount, SickModel,
 };
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::{FloorCameraMounting, FloorCameraSensor};
@@ -153,7 +153,19 @@ pub(super) const fn plane_of(scanner: ScannerDevice) -> (f32, u16) {
         // All around: the first beam is the last one, too.
         ScannerDevice::Rplidar(RplidarModel::A) => (180.0, 301),
         ScannerDevice::Rplidar(RplidarModel::S) => (180.0, 721),
+        ScannerDevice::Bridged(scans) => plane_of_bridged(scans),
     }
+}
+
+/// The narrower side counts for both: what only the wider one sees is no excuse.
+const fn plane_of_bridged(scans: BridgedScans) -> (f32, u16) {
+    let step_deg = scans.step_udeg as f32 * 1.0e-6;
+    let first_deg = scans.first_udeg as f32 * 1.0e-6;
+    if step_deg * scans.beams as f32 > 359.9 {
+        return (180.0, scans.beams + 1);
+    }
+    let half_deg = (-first_deg).min(first_deg + step_deg * (scans.beams - 1) as f32).max(0.0);
+    (half_deg, (2.0 * half_deg / step_deg) as u16 + 1)
 }
 
 /// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{RangingModel, RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
@@ -17,7 +17,8 @@ use super::outside::OutsideProgram;
 use super::recorded_lidar::RecordedLidar;
 use super::true_robot::{true_robot, unplayable};
 use floorguard_configuration::{
-    ActuatedLidarConfiguration, CommandConfiguration, EXAMPLE, NavigationConfiguration, parse,
+    ActuatedLidarConfiguration, CommandConfiguration, EXAMPLE, NavigationConfiguration, bridged_scanner_keys,
+    parse,
 };
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
@@ -262,6 +263,9 @@ impl Plan {
             ScannerModel::S300 => return Ok(self),
             ScannerModel::MicroScan3 { beams } => {
                 format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n")
+            }
+            ScannerModel::Ranging(RangingModel::Bridged(shape)) => {
+                format!("{}accept_uncertified_mps = {ACCEPTED_MPS:?}\n", bridged_scanner_keys(&shape))
             }
             ScannerModel::Ranging(model) => format!(
                 "model = \"{}\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = {ACCEPTED_MPS:?}\n",

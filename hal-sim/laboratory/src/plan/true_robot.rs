@@ -9,8 +9,8 @@ use floorguard_runtime::configuration::{
 };
 use floorguard_sim::motors::{MotorKind, MotorParameters};
 use floorguard_sim::robot::{
-    BodyPrism, HokuyoModel, ImuDevice, LidarDevice, NodeIds, OusterDevice, OusterFormat, RobotParameters,
-    RplidarModel, ScannerDevice, SensorMount, SickModel, Train,
+    BodyPrism, BridgedScans, HokuyoModel, ImuDevice, LidarDevice, NodeIds, OusterDevice, OusterFormat,
+    RobotParameters, RplidarModel, ScannerDevice, SensorMount, SickModel, Train,
 };
 use floorguard_types::geometry::{Point2, Point3};
 
@@ -93,6 +93,13 @@ const fn scanner_device(model: ScannerModel) -> ScannerDevice {
             RangingModel::SickLms1xx => ScannerDevice::Sick(SickModel::Lms1xx),
             RangingModel::RplidarA => ScannerDevice::Rplidar(RplidarModel::A),
             RangingModel::RplidarS => ScannerDevice::Rplidar(RplidarModel::S),
+            RangingModel::Bridged(shape) => ScannerDevice::Bridged(BridgedScans {
+                beams: shape.beams,
+                first_udeg: shape.first_udeg,
+                step_udeg: shape.step_udeg,
+                period_us: shape.period_us,
+                range_mm: shape.range_mm,
+            }),
         },
     }
 }

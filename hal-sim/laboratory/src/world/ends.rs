@@ -164,14 +164,14 @@ impl ScannerEnd {
                 let address = SerialAddress { device: line.device.clone(), baud: SCANNER_BAUD };
                 Ok((Self::Serial(line), ScannerLink::Serial(address)))
             }
-            ScannerModel::MicroScan3 { .. } => {
-                let (device, robot) = loopback()?;
-                Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot, Listening::default())))
-            }
-            ScannerModel::Ranging(model) => {
+            ScannerModel::Ranging(model) if !model.sends_datagrams() => {
                 let line = PseudoTerminal::open().context("no pseudo-terminal")?;
                 let address = SerialAddress { device: line.device.clone(), baud: SCANNER_BAUD };
                 Ok((Self::Asked(line), ScannerLink::Wire(ScipAddress::Serial(address), model)))
+            }
+            ScannerModel::MicroScan3 { .. } | ScannerModel::Ranging(_) => {
+                let (device, robot) = loopback()?;
+                Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot, Listening::default())))
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What can be chosen for a simulated robot.
 
 use clap::ValueEnum;
-use floorguard_configuration::{bridged_keys, livox_keys, ouster_example, ouster_keys};
+use floorguard_configuration::{BRIDGED_EXAMPLE, bridged_keys, livox_keys, ouster_example, ouster_keys};
 use floorguard_runtime::configuration::{RangingModel, ScannerModel};
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
@@ -25,6 +25,8 @@ pub enum FittedScanner {
     RplidarA,
     /// RPLidar S1 to S3: 720 beams, ten scans a second, no safety device, at most 0.3 m/s.
     RplidarS,
+    /// Any scanner behind a bridge: 1,440 beams, ten scans a second, no safety device, at most 0.3 m/s.
+    Bridged,
 }
 
 impl FittedScanner {
@@ -40,6 +42,7 @@ impl FittedScanner {
             Self::SickLms1xx => RangingModel::SickLms1xx,
             Self::RplidarA => RangingModel::RplidarA,
             Self::RplidarS => RangingModel::RplidarS,
+            Self::Bridged => RangingModel::Bridged(BRIDGED_EXAMPLE),
         };
         ScannerModel::Ranging(model)
     }

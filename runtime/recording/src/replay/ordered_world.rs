@@ -65,8 +65,12 @@ impl Lines {
             lidar: run.robot.has_lidar.then(|| self.lidar.clone()),
             scanner: match run.robot.scanner.model {
                 ScannerModel::S300 => ScannerCarrier::Serial(self.scanner.clone()),
-                ScannerModel::MicroScan3 { .. } => ScannerCarrier::Datagrams(self.scanner.clone()),
-                ScannerModel::Ranging(model) => ScannerCarrier::Asked(self.scanner.clone(), model),
+                ScannerModel::Ranging(model) if !model.sends_datagrams() => {
+                    ScannerCarrier::Asked(self.scanner.clone(), model)
+                }
+                ScannerModel::MicroScan3 { .. } | ScannerModel::Ranging(_) => {
+                    ScannerCarrier::Datagrams(self.scanner.clone())
+                }
             },
             rear_scanner: run.robot.rear_scanner.map(|_| self.rear_scanner.clone()),
             imu: Some((self.imu.clone(), run.imu_baud)),

@@ -24,16 +24,16 @@ impl ScannerPipe {
                 let (writer, reader) = byte_pipe();
                 (Self::Serial(writer), ScannerCarrier::Serial(reader))
             }
-            ScannerModel::MicroScan3 { .. } => {
-                let pipe = DatagramPipe::default();
-                (Self::Datagrams(pipe.clone()), ScannerCarrier::Datagrams(pipe))
-            }
-            ScannerModel::Ranging(model) => {
+            ScannerModel::Ranging(model) if !model.sends_datagrams() => {
                 let ((to_robot, reader), (writer, from_robot)) = (byte_pipe(), byte_pipe());
                 (
                     Self::Asked(to_robot, from_robot),
                     ScannerCarrier::Asked(DuplexPipe { reader, writer }, model),
                 )
+            }
+            ScannerModel::MicroScan3 { .. } | ScannerModel::Ranging(_) => {
+                let pipe = DatagramPipe::default();
+                (Self::Datagrams(pipe.clone()), ScannerCarrier::Datagrams(pipe))
             }
         }
     }

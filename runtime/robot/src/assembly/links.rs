@@ -24,7 +24,7 @@ use floorguard_host::executor::Lateness;
 pub enum ScannerLink {
     /// An S300's line.
     Serial(SerialAddress),
-    /// A microScan3's port, bound already, and its accepted sender.
+    /// The port of a scanner that sends datagrams, bound already, and its accepted sender.
     Datagrams(UdpSocket, Listening),
     /// The line or the connection of a scanner that must be asked.
     Wire(ScipAddress, RangingModel),

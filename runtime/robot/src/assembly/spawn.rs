@@ -12,14 +12,15 @@ use floorguard_perception::motion::{MotionDetector, MotionParameters, find_movin
 use floorguard_perception::people::{
     ClusterLimits, PeopleOutput, PeoplePipeline, SweepContext, Track, TrackerParameters,
 };
-use floorguard_runtime::configuration::{DriveTrain, RangingModel, RobotConfiguration};
+use floorguard_runtime::configuration::{DriveTrain, RangingModel, RobotConfiguration, ScannerModel};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, Mission, NoMotion, PerceptionState, can_bus, drive_mission,
     drive_route, imu_input, lidar_input, observed_advice_input, observed_operator_input, perceive,
-    ranging_scanner, rear_scanner_input, scanner_datagrams, scanner_input, shaped_command_input, supervise,
+    ranging_datagrams, ranging_scanner, rear_scanner_input, scanner_datagrams, scanner_input,
+    shaped_command_input, supervise,
 };
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{LidarPacket, Scan, Sweep};
@@ -34,7 +35,7 @@ use crate::learning::{LearningSetup, PeopleLearner};
 use crate::navigator::{BodyExtent, SpaceInbox, sight_of};
 use floorguard_host::executor::TaskSet;
 
-/// What the scanner is connected to: the line of an S300, the port of a microScan3, or both directions of one that must be asked.
+/// What the scanner is connected to: the line of an S300, the port of one that sends datagrams, or both directions of one that must be asked.
 pub enum ScannerCarrier<S, D, I> {
     /// Bytes of telegrams.
     Serial(S),
@@ -259,10 +260,13 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         ScannerCarrier::Serial(line) => {
             tasks.spawn(scanner_input(shared, line, s300::Receiver::new(s300::Configuration::default())));
         }
-        ScannerCarrier::Datagrams(socket) => {
-            let configuration = microscan3::Configuration::default();
-            tasks.spawn(scanner_datagrams(shared, socket, microscan3::Receiver::new(configuration)));
-        }
+        ScannerCarrier::Datagrams(socket) => match robot.scanner.model {
+            ScannerModel::Ranging(model) => tasks.spawn(ranging_datagrams(shared, socket, model.driver())),
+            ScannerModel::S300 | ScannerModel::MicroScan3 { .. } => {
+                let configuration = microscan3::Configuration::default();
+                tasks.spawn(scanner_datagrams(shared, socket, microscan3::Receiver::new(configuration)));
+            }
+        },
         ScannerCarrier::Asked(line, model) => {
             tasks.spawn(ranging_scanner(shared, line, model.driver()));
         }

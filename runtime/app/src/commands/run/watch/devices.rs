@@ -43,12 +43,15 @@ impl Watch<'_> {
         let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
         let message = complaints.scanner_message;
         let message = message.filter(|_| known.scanner_message != complaints.scanner_message);
+        let link = complaints.scan_link;
+        let link = link.filter(|now| !known.scan_link.is_some_and(|then| then.is_alike(*now)));
         let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
         let reasons = [
             ("lidar", lidar.map(|error| error.to_string())),
             ("lidar", closed.map(|sector| format!("{sector}; what lies in the closed sector stays unknown"))),
             ("safety scanner", scanner.map(|error| error.to_string())),
             ("safety scanner", message.map(|error| error.to_string())),
+            ("scanner", link.map(|error| error.to_string())),
             ("inertial sensor", imu.map(|fault| fault.to_string())),
         ];
         for (device, reason) in reasons {
