@@ -31,6 +31,7 @@ mod datagram_counters;
 pub mod discrete_inputs;
 pub mod flexisoft;
 pub mod hesai;
+pub mod imu_link;
 pub mod inertial;
 pub mod lidar;
 pub mod lidar_link;

@@ -3,7 +3,7 @@
 use floorguard_types::time::Stamp;
 
 use super::contract::{InertialEvent, InertialFault, InertialSensor};
-use crate::{vectornav, xsens};
+use crate::{imu_link, vectornav, xsens};
 
 /// One of the makers' protocols.
 // One lives for the length of a run.
@@ -14,6 +14,8 @@ pub enum AnyInertialSensor {
     Xsens(xsens::Device),
     /// VectorNav VN-100, VN-200 or VN-300.
     VectorNav(vectornav::Device),
+    /// Any sensor behind a bridge.
+    Bridged(imu_link::Device),
 }
 
 impl InertialSensor for AnyInertialSensor {
@@ -21,6 +23,7 @@ impl InertialSensor for AnyInertialSensor {
         match self {
             Self::Xsens(device) => device.take(bytes, now, event),
             Self::VectorNav(device) => device.take(bytes, now, event),
+            Self::Bridged(device) => device.take(bytes, now, event),
         }
     }
 
@@ -28,6 +31,7 @@ impl InertialSensor for AnyInertialSensor {
         match self {
             Self::Xsens(device) => device.request(now, send),
             Self::VectorNav(device) => device.request(now, send),
+            Self::Bridged(device) => device.request(now, send),
         }
     }
 
@@ -35,6 +39,7 @@ impl InertialSensor for AnyInertialSensor {
         match self {
             Self::Xsens(device) => device.complaint(),
             Self::VectorNav(device) => device.complaint(),
+            Self::Bridged(device) => device.complaint(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
 
-use crate::{vectornav, xsens};
+use crate::{imu_link, vectornav, xsens};
 
 /// What a sensor reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub enum InertialFault {
     Xsens(xsens::DeviceFault),
     /// Of a VectorNav.
     VectorNav(vectornav::DeviceFault),
+    /// Of a sensor behind a bridge.
+    Bridged(imu_link::DeviceFault),
 }
 
 impl core::fmt::Display for InertialFault {
@@ -31,6 +33,7 @@ impl core::fmt::Display for InertialFault {
         match self {
             Self::Xsens(fault) => fault.fmt(f),
             Self::VectorNav(fault) => fault.fmt(f),
+            Self::Bridged(fault) => fault.fmt(f),
         }
     }
 }
@@ -83,5 +86,22 @@ impl InertialSensor for vectornav::Device {
 
     fn complaint(&self) -> Option<InertialFault> {
         self.fault().map(InertialFault::VectorNav)
+    }
+}
+
+impl InertialSensor for imu_link::Device {
+    fn take(&mut self, bytes: &[u8], now: Stamp, event: &mut impl FnMut(InertialEvent)) {
+        self.push(bytes, now, |found| match found {
+            imu_link::DeviceEvent::Sample(sample) => event(InertialEvent::Sample(sample)),
+            imu_link::DeviceEvent::Refused => event(InertialEvent::Refused),
+            imu_link::DeviceEvent::Error(code) => event(InertialEvent::Error(code)),
+        });
+    }
+
+    /// A bridge sends by itself.
+    fn request(&mut self, _: Stamp, _: &mut impl FnMut(&[u8])) {}
+
+    fn complaint(&self) -> Option<InertialFault> {
+        self.fault().map(InertialFault::Bridged)
     }
 }
