@@ -5,7 +5,7 @@ use std::path::Path;
 
 use floorguard_fuzz::{corpus, joined, ouster, scanning_corpus};
 use floorguard_configuration::EXAMPLE;
-use floorguard_tests::fuzz::{bridged_datagrams, bridged_scans, livox_datagrams, cola_scans, files, messages, rplidar_turns};
+use floorguard_tests::fuzz::{bridged_datagrams, bridged_samples, bridged_scans, livox_datagrams, cola_scans, files, messages, rplidar_turns};
 
 /// Files for one target; of a long stream its beginning says enough.
 const FILES_MAX: usize = 200;
@@ -17,7 +17,7 @@ fn main() -> std::io::Result<()> {
     let scan = messages::microscan3_message(40);
     // Inputs that are read as numbers need no example of them, only space for some.
     let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
-    let of_targets: [(&str, Vec<Vec<u8>>); 20] = [
+    let of_targets: [(&str, Vec<Vec<u8>>); 21] = [
         ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),
         ("position", simulated.position.clone()),
         ("s300", simulated.scanner.clone()),
@@ -32,6 +32,7 @@ fn main() -> std::io::Result<()> {
         ("scip", scanning_corpus().replies.clone()),
         ("ouster", ouster().1.chunks(2).map(joined).collect()),
         ("lidar-link", bridged_datagrams().chunks(4).map(joined).collect()),
+        ("imu-link", bridged_samples().chunks(4).map(|frames| frames.concat()).collect()),
         ("scan-link", bridged_scans().chunks(4).map(joined).collect()),
         ("livox", livox_datagrams().chunks(20).map(joined).collect()),
         ("cola", cola_scans()),

@@ -156,6 +156,8 @@ pub enum ImuDevice {
     XsensMti,
     /// VectorNav VN-100.
     VectorNav,
+    /// Any sensor behind a bridge.
+    Bridged,
 }
 
 /// What the body rolls on.

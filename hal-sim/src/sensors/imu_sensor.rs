@@ -1,5 +1,6 @@
 //! Whichever inertial sensor the robot carries.
 
+use super::bridged_imu::BridgedImu;
 use super::imu::{Imu, Motion};
 use super::vectornav::VectorNav;
 use crate::robot::ImuDevice;
@@ -13,6 +14,8 @@ pub enum ImuSensor {
     Xsens(Imu),
     /// VectorNav VN-100.
     VectorNav(VectorNav),
+    /// Any sensor behind a bridge.
+    Bridged(BridgedImu),
 }
 
 impl ImuSensor {
@@ -22,6 +25,7 @@ impl ImuSensor {
         match device {
             ImuDevice::XsensMti => Self::Xsens(Imu::new(seed)),
             ImuDevice::VectorNav => Self::VectorNav(VectorNav::new(seed)),
+            ImuDevice::Bridged => Self::Bridged(BridgedImu::new(seed)),
         }
     }
 
@@ -30,6 +34,7 @@ impl ImuSensor {
         match self {
             Self::Xsens(imu) => imu.power_cycle(now_us, off_us),
             Self::VectorNav(imu) => imu.power_cycle(now_us, off_us),
+            Self::Bridged(imu) => imu.power_cycle(now_us, off_us),
         }
     }
 
@@ -39,6 +44,7 @@ impl ImuSensor {
         match self {
             Self::Xsens(imu) => imu.bias_radps(),
             Self::VectorNav(imu) => imu.bias_radps(),
+            Self::Bridged(imu) => imu.bias_radps(),
         }
     }
 
@@ -48,6 +54,7 @@ impl ImuSensor {
         match self {
             Self::Xsens(imu) => imu.due_us(),
             Self::VectorNav(imu) => imu.due_us(),
+            Self::Bridged(imu) => imu.due_us(),
         }
     }
 
@@ -56,6 +63,7 @@ impl ImuSensor {
         match self {
             Self::Xsens(imu) => imu.sample(now_us, motion),
             Self::VectorNav(imu) => imu.sample(now_us, motion),
+            Self::Bridged(imu) => imu.sample(now_us, motion),
         }
     }
 
@@ -64,6 +72,8 @@ impl ImuSensor {
         match self {
             Self::Xsens(imu) => imu.receive(bytes, now_us),
             Self::VectorNav(imu) => imu.receive(bytes, now_us),
+            // A bridge takes nothing.
+            Self::Bridged(_) => Vec::new(),
         }
     }
 }

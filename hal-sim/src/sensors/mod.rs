@@ -1,6 +1,7 @@
 //! The sensors: what they measure in the world and the bytes they send.
 
 mod bridged;
+mod bridged_imu;
 mod bridged_scanner;
 mod depth_camera;
 mod floor_camera_sensor;
@@ -18,6 +19,7 @@ mod vectornav;
 mod view;
 
 pub use bridged::BridgedLidar;
+pub use bridged_imu::BridgedImu;
 pub use depth_camera::{DepthCamera, DepthPicture};
 pub use floor_camera_sensor::{FloorCameraMounting, FloorCameraSensor, FloorFrame};
 pub use imu::{Imu, Motion};

@@ -1,9 +1,10 @@
 //! What is on each line and when, and encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
-//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Scan link; book, Livox; book, Velocity link; book, SCIP 2.0).
+//! book, Hesai; book, Ouster; book, SICK S300; book, microScan3; book, Xsens MTi; book, VectorNav; book, CoLa; book, RPLidar; book, Lidar link; book, Scan link; book, IMU link; book, Livox; book, Velocity link; book, SCIP 2.0).
 
 mod cola;
 mod event;
 mod hesai;
+mod imu_link;
 mod lidar_link;
 mod livox;
 mod microscan3;
@@ -20,6 +21,7 @@ mod xbus;
 pub use cola::{ColaHeader, cola_binary, cola_scan, cola_scan_binary, cola_telegram};
 pub use event::{Payload, Stream, WireEvent};
 pub use hesai::{FIRINGS, PandarPacket};
+pub use imu_link::imu_link_frame;
 pub use lidar_link::ColumnsDatagram;
 pub use livox::LivoxDatagram;
 pub use microscan3::{

@@ -67,6 +67,26 @@ pub enum ScipAddress {
     Tcp(SocketAddr),
 }
 
+/// What an inertial sensor is connected to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ImuAddress {
+    /// A line.
+    Serial(SerialAddress),
+    /// The port to which a bridge sends.
+    Datagrams(DatagramAddress),
+}
+
+impl ImuAddress {
+    /// The line, where it is one.
+    #[must_use]
+    pub const fn line(&self) -> Option<&SerialAddress> {
+        match self {
+            Self::Serial(line) => Some(line),
+            Self::Datagrams(_) => None,
+        }
+    }
+}
+
 /// What a scanner is connected to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ScannerAddress {

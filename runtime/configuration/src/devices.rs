@@ -8,7 +8,7 @@ use floorguard_runtime::configuration::{
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
 
-use super::address::{CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
+use super::address::{CanAddress, DatagramAddress, ImuAddress, SenderAddress, SerialAddress, parse_serial};
 use super::reader::Reader;
 use super::wheels::Wheels;
 
@@ -70,13 +70,27 @@ pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
     Some(SerialAddress { device: device?, baud })
 }
 
-pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
-    let models = [("xsens-mti", ImuModel::XsensMti), ("vectornav", ImuModel::VectorNav)];
+pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, ImuAddress)> {
+    let models = [
+        ("xsens-mti", ImuModel::XsensMti),
+        ("vectornav", ImuModel::VectorNav),
+        ("bridged", ImuModel::Bridged),
+    ];
     let model = section.choice_or("model", &models, ImuModel::XsensMti);
-    let source = read_serial(&section);
+    let source = if model == ImuModel::Bridged && !is_on_line(&section) {
+        read_datagrams(&section, "udp:127.0.0.1:2371").map(ImuAddress::Datagrams)
+    } else {
+        read_serial(&section).map(ImuAddress::Serial)
+    };
     let mounting = read_mounting(section.section("mounting"));
     section.finish();
     Some((ImuConfiguration { model, mounting }, source?))
+}
+
+/// Frames of a bridge come on a line, too.
+fn is_on_line(section: &Reader<'_>) -> bool {
+    let source = section.find("source").and_then(|value| value.get_ref().as_str());
+    source.is_some_and(|source| source.starts_with("serial:"))
 }
 
 /// The keys of the drives' numbers, wheel by wheel.
@@ -221,4 +235,33 @@ pub(super) fn read_inputs(section: Reader<'_>) -> Option<(InputMap, OperatorButt
         discrepancy_us,
     };
     Some((inputs, buttons))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{EXAMPLE, ImuAddress, parse};
+    use floorguard_runtime::configuration::ImuModel;
+
+    /// A port of its own, or a line.
+    #[test]
+    fn bridged_imus_have_ports_or_lines() {
+        let (before, after) = EXAMPLE.split_once("[imu]\n").unwrap();
+        let (_, mounting) = after.split_once("mounting").unwrap();
+        let with = |keys: &str| format!("{before}[imu]\nmodel = \"bridged\"\n{keys}mounting{mounting}");
+        let read =
+            |keys: &str| parse("robot.toml", &with(keys)).unwrap_or_else(|refused| panic!("{refused}"));
+        let port = read("source = \"udp:127.0.0.1:2371\"\nsender = \"127.0.0.1\"\n");
+        assert_eq!(port.robot.imu.unwrap().model, ImuModel::Bridged);
+        assert!(matches!(port.carriers.imu, Some(ImuAddress::Datagrams(_))));
+        let line = read("source = \"serial:/dev/ttyUSB9\"\nbaud = 115200\n");
+        assert!(matches!(line.carriers.imu, Some(ImuAddress::Serial(_))));
+        for (keys, words) in [
+            ("source = \"udp:127.0.0.1:2371\"\nbaud = 115200\n", "baud"),
+            ("source = \"serial:/dev/ttyUSB9\"\n", "baud"),
+            ("source = \"udp:0.0.0.0:2368\"\n", "UDP port 2368, and so is that of [lidar]"),
+        ] {
+            let refused = parse("robot.toml", &with(keys)).expect_err("refused").to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
+        }
+    }
 }

@@ -4,7 +4,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::actuated_lidar::ActuatedLidarConfiguration;
-use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SerialAddress};
+use crate::address::{
+    BaseAddress, CanAddress, DatagramAddress, ImuAddress, ScannerAddress, ScipAddress, SerialAddress,
+};
 use crate::command::CommandAddress;
 use crate::reader::Reader;
 
@@ -13,7 +15,7 @@ pub(crate) struct Addresses<'a> {
     pub lidar: Option<&'a DatagramAddress>,
     pub scanner: &'a ScannerAddress,
     pub rear_scanner: Option<&'a SerialAddress>,
-    pub imu: Option<&'a SerialAddress>,
+    pub imu: Option<&'a ImuAddress>,
     pub can: Option<&'a CanAddress>,
     pub base: Option<&'a BaseAddress>,
     pub command: Option<&'a CommandAddress>,
@@ -32,7 +34,11 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         ScannerAddress::Wire(ScipAddress::Tcp(_), _) => {}
     }
     lines.extend(addresses.rear_scanner.map(|line| ("rear_scanner", line.device.as_path())));
-    lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));
+    match addresses.imu {
+        Some(ImuAddress::Serial(line)) => lines.push(("imu", &line.device)),
+        Some(ImuAddress::Datagrams(port)) => ports.push(("imu", *port)),
+        None => {}
+    }
     match addresses.command {
         Some(CommandAddress::Datagrams(port)) => ports.push(("command", *port)),
         Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),

@@ -35,7 +35,8 @@ mod wheels;
 pub use absent::{Absence, absences};
 pub use actuated_lidar::{ActuatedLidarConfiguration, ScipModel};
 pub use address::{
-    BaseAddress, CanAddress, DatagramAddress, ScannerAddress, ScipAddress, SenderAddress, SerialAddress,
+    BaseAddress, CanAddress, DatagramAddress, ImuAddress, ScannerAddress, ScipAddress, SenderAddress,
+    SerialAddress,
 };
 pub use bake::bake;
 pub use bridged_scanner::{BRIDGED_EXAMPLE, bridged_scanner_keys};

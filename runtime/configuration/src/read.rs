@@ -11,7 +11,7 @@ use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
 use super::actuated_lidar::ActuatedLidarConfiguration;
-use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, ImuAddress, ScannerAddress, SerialAddress};
 use super::base::{BaseSection, Drives};
 use super::camera::{CameraConfiguration, CameraSource};
 use super::command::{CommandConfiguration, read_command};
@@ -41,7 +41,7 @@ pub struct Carriers {
     /// Second safety scanner; a robot can do without.
     pub rear_scanner: Option<SerialAddress>,
     /// Inertial measurement unit.
-    pub imu: Option<SerialAddress>,
+    pub imu: Option<ImuAddress>,
     /// CAN bus, of a robot whose drives are on one.
     pub can: Option<CanAddress>,
     /// The base, of a robot with one that takes velocities.

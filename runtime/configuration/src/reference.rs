@@ -200,7 +200,9 @@ master on the map of `[navigation]` (book, Fleets and live views); the program m
 the lidar's; a Hokuyo, a TiM, an LMS and an RPLidar are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
 without `accept_uncertified_mps`, the greatest speed of any direction; where nothing comes back to them it is unknown, never free ([Ranging scanners](wire-formats/ranging.md)). With `model = \"bridged\"` a
 program beside sends the scans of any scanner, which is no safety device then: `beams` (60 or more), `first_deg`, `step_deg`, `period_s`,
-`nearest_m` and `farthest_m` describe them, and its `source` is like the lidar's ([Scan link](wire-formats/scan-link.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
+`nearest_m` and `farthest_m` describe them, and its `source` is like the lidar's ([Scan link](wire-formats/scan-link.md)). In `[imu]`,
+`model = \"bridged\"` stands for any sensor whose samples a program beside sends, to a port (`sender` as in `[lidar]`, no `baud`) or on a line
+([IMU link](wire-formats/imu-link.md)). `[rear_scanner]` is a second S300 on a line of its own, which looks behind and beside the rear: the guard watches the same
 fields with it, and waits for it as for the first (`rear_scanner_s` in `[deadlines]`; without it `scanner_s` counts); a program for a
 microcontroller lacks the memory for it. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.

@@ -5,7 +5,7 @@ use floorguard_runtime::configuration::{
 };
 
 use super::actuated_lidar::{ActuatedLidarConfiguration, check_motor_bus, read_actuated_lidar};
-use super::address::{BaseAddress, CanAddress, DatagramAddress, SerialAddress};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, ImuAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
 use super::command::CommandAddress;
 use super::devices::read_imu;
@@ -29,7 +29,7 @@ pub(super) struct Sensors {
     pub(super) lidar: Option<Read<LidarConfiguration, DatagramAddress>>,
     pub(super) scanner: Option<ReadScanner>,
     pub(super) rear_scanner: Option<Read<ScannerConfiguration, SerialAddress>>,
-    pub(super) imu: Option<Read<ImuConfiguration, SerialAddress>>,
+    pub(super) imu: Option<Read<ImuConfiguration, ImuAddress>>,
     pub(super) camera: Option<CameraConfiguration>,
     /// None of the guard's, but it shares no line with them either.
     pub(super) actuated_lidar: Option<Option<ActuatedLidarConfiguration>>,

@@ -6,7 +6,7 @@ use floorguard_drivers::flexisoft::InputMap;
 use floorguard_drivers::inertial::AnyInertialSensor;
 use floorguard_drivers::livox::TURN_US;
 use floorguard_drivers::ouster::Beams;
-use floorguard_drivers::{vectornav, xsens};
+use floorguard_drivers::{imu_link, vectornav, xsens};
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::units::radians;
@@ -164,6 +164,8 @@ pub enum ImuModel {
     XsensMti,
     /// VectorNav VN-100, VN-200 or VN-300.
     VectorNav,
+    /// Any sensor behind a bridge, over UDP or on a line.
+    Bridged,
 }
 
 impl ImuModel {
@@ -173,6 +175,7 @@ impl ImuModel {
         match self {
             Self::XsensMti => AnyInertialSensor::Xsens(xsens::Device::new(baud)),
             Self::VectorNav => AnyInertialSensor::VectorNav(vectornav::Device::new(baud)),
+            Self::Bridged => AnyInertialSensor::Bridged(imu_link::Device::default()),
         }
     }
 }

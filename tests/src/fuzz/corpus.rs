@@ -5,8 +5,8 @@ use floorguard_sim::can::CanFrame;
 use floorguard_sim::robot::OusterFormat;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::wire::{
-    ColaHeader, ColumnsDatagram, LivoxDatagram, OusterPacket, ScanNote, cola_scan, rplidar_capsule,
-    rplidar_descriptor, scan_link_datagrams,
+    ColaHeader, ColumnsDatagram, LivoxDatagram, OusterPacket, ScanNote, cola_scan, imu_link_frame,
+    rplidar_capsule, rplidar_descriptor, scan_link_datagrams,
 };
 use floorguard_sim::{Payload, Simulation, Stream};
 
@@ -84,6 +84,18 @@ pub fn bridged_scans() -> Vec<Vec<u8>> {
         scan_link_datagrams(&note, &ranges_mm)
     };
     (0..20).flat_map(datagrams).collect()
+}
+
+/// Frames of an inertial sensor behind a bridge, two samples each.
+#[must_use]
+pub fn bridged_samples() -> Vec<Vec<u8>> {
+    let frame = |number: u32| {
+        let turn_radps = f32::from(number as u16) * 0.01;
+        let sample = ([0.0, 0.0, turn_radps], [0.1, 0.0, 9.81], 0);
+        let first_us = 9_000_000 + u64::from(number) * 20_000;
+        imu_link_frame((7, 2 * number), (first_us, 10_000), &[sample, sample])
+    };
+    (0..40).map(frame).collect()
 }
 
 /// Datagrams of a Livox with few points: one begins 6.4 ms after the other, so that they last for 0.77 s.

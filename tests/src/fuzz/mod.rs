@@ -16,6 +16,7 @@ pub mod scanning;
 pub mod worlds;
 
 pub use corpus::{
-    Corpus, bridged_datagrams, bridged_scans, cola_scans, livox_datagrams, ouster_turn, rplidar_turns,
+    Corpus, bridged_datagrams, bridged_samples, bridged_scans, cola_scans, livox_datagrams, ouster_turn,
+    rplidar_turns,
 };
 pub use corrupt::{corrupt, pick};

@@ -7,6 +7,7 @@ mod lidar_senders;
 mod microscan3_scans;
 mod same_verdicts;
 mod scan_bridges;
+mod sim_bridged_imu;
 mod sim_bridged_scanner;
 mod sim_can;
 mod sim_hesai;

@@ -147,6 +147,11 @@ fn robot_file((kind, nodes, lidar, scanner): (&str, &str, &str, RangingModel)) -
         "columns" => bridged_keys(),
         plain => format!("model = \"{plain}\"\n"),
     };
+    let imu = match kind {
+        "differential" => "[imu]\nmodel = \"vectornav\"\n",
+        "ackermann" => "[imu]\nmodel = \"bridged\"\n",
+        _ => "[imu]\n",
+    };
     let device = match scanner {
         RangingModel::Bridged(shape) => bridged_scanner_keys(&shape),
         asked => format!("model = \"{}\"\nsource = \"tcp:192.168.0.10:2112\"\n", asked.key()),
@@ -157,7 +162,7 @@ fn robot_file((kind, nodes, lidar, scanner): (&str, &str, &str, RangingModel)) -
         ("\n[limits]\n", &format!("\n[base]\nkind = \"{kind}\"\n{steering}[limits]\n")),
         ("model = \"vlp16\"\n", &lidar),
         ("model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n", &scanner),
-        ("[imu]\n", if kind == "differential" { "[imu]\nmodel = \"vectornav\"\n" } else { "[imu]\n" }),
+        ("[imu]\n", imu),
         ("wheelbase_m = 0.80\n", if kind == "differential" { "" } else { "wheelbase_m = 0.80\n" }),
     ];
     changes.iter().fold(EXAMPLE.to_owned(), |text, (from, to)| {

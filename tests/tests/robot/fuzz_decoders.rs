@@ -7,8 +7,8 @@ use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::scanning::{self, ScanningCorpus};
 use floorguard_tests::fuzz::{
-    Corpus, bridged_datagrams, bridged_scans, cola_scans, corrupt, decoders, files, links, livox_datagrams,
-    messages, motors, ouster_turn, pick, rplidar_turns,
+    Corpus, bridged_datagrams, bridged_samples, bridged_scans, cola_scans, corrupt, decoders, files, links,
+    livox_datagrams, messages, motors, ouster_turn, pick, rplidar_turns,
 };
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
@@ -82,6 +82,16 @@ fn fuzz_scan_link() {
             corrupt(&mut datagrams[0], pick::<Vec<u8>>(&corpus, random), 4_096, random);
         }
         links::scan_link(&datagrams, &corpus[6..8])
+    });
+}
+
+#[test]
+fn fuzz_imu_link() {
+    let corpus = bridged_samples();
+    campaign(4_000, |random| {
+        let mut bytes = corpus[..8].concat();
+        corrupt(&mut bytes, pick::<Vec<u8>>(&corpus, random), 2_000, random);
+        links::imu_link(&bytes, 1 + random.below(200) as usize, &corpus[10..14])
     });
 }
 

@@ -57,6 +57,7 @@ pub(super) fn true_robot(robot: &RobotConfiguration) -> RobotParameters {
         imu_device: match robot.imu.unwrap_or_default().model {
             ImuModel::XsensMti => ImuDevice::XsensMti,
             ImuModel::VectorNav => ImuDevice::VectorNav,
+            ImuModel::Bridged => ImuDevice::Bridged,
         },
         train,
         wheelbase_m,

@@ -17,7 +17,7 @@ use floorguard_configuration::{CanAddress, ScipAddress, SerialAddress};
 use floorguard_host::carriers::{Listening, PseudoTerminal};
 use floorguard_host::executor::Lateness;
 use floorguard_robot::assembly::PeopleInbox;
-use floorguard_robot::assembly::{Links, ScannerLink};
+use floorguard_robot::assembly::{ImuLink, Links, ScannerLink};
 
 /// Bit rates of the simulated lines; a pseudo-terminal takes any.
 const SCANNER_BAUD: u32 = 500_000;
@@ -87,7 +87,7 @@ impl Ends {
             lidar: Some((robot_lidar, Listening::default())),
             scanner: robot_scanner,
             rear_scanner: rear_line.map(|device| SerialAddress { device, baud: SCANNER_BAUD }),
-            imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
+            imu: Some(ImuLink::Serial(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD })),
             can: Some(address),
             base: None,
             command: None,

@@ -29,7 +29,7 @@ use super::tour::TourPlaces;
 use super::values::{panel_address, seconds};
 use crate::robot_file::say_absences;
 use crate::window::leave_window;
-use floorguard_configuration::{CommandConfiguration, HostedConfiguration, load};
+use floorguard_configuration::{CommandConfiguration, HostedConfiguration, ImuAddress, load};
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_host::words::counted;
 use floorguard_operator::report::make_folder;
@@ -281,7 +281,8 @@ fn open_sinks(
     let mut sinks = RunSinks::default();
     let text =
         std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
-    let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
+    let imu_line = configuration.carriers.imu.as_ref().and_then(ImuAddress::line);
+    let imu_baud = imu_line.map_or(IMU_BAUD, |line| line.baud);
     let Reported { mission, navigation, learning, ros } = reported;
     let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
     let live = &arguments.outputs.live;

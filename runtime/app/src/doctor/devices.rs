@@ -4,8 +4,8 @@ use std::net::SocketAddr;
 use std::path::Path;
 
 use floorguard_configuration::{
-    BaseAddress, CameraSource, CanAddress, Carriers, DatagramAddress, ScannerAddress, ScipAddress,
-    SenderAddress,
+    BaseAddress, CameraSource, CanAddress, Carriers, DatagramAddress, ImuAddress, ScannerAddress,
+    ScipAddress, SenderAddress,
 };
 
 use super::computer::Computer;
@@ -32,9 +32,12 @@ pub(super) fn findings(computer: &Computer, carriers: &Carriers) -> Vec<Finding>
         // Whether it answers is seen when the robot starts: to ask here would end what it sends to another program.
         ScannerAddress::Wire(ScipAddress::Tcp(_), _) => {}
     }
-    let lines = [("[rear_scanner]", &carriers.rear_scanner), ("[imu]", &carriers.imu)];
-    for (section, line) in lines {
-        findings.extend(line.as_ref().map(|line| device(computer, section, &line.device)));
+    let rear_scanner = carriers.rear_scanner.as_ref();
+    findings.extend(rear_scanner.map(|line| device(computer, "[rear_scanner]", &line.device)));
+    match &carriers.imu {
+        Some(ImuAddress::Serial(line)) => findings.push(device(computer, "[imu]", &line.device)),
+        Some(ImuAddress::Datagrams(address)) => findings.extend(datagrams(computer, "[imu]", address)),
+        None => {}
     }
     match &carriers.can {
         Some(CanAddress::SocketCan(interface)) => findings.push(can(computer, interface)),

@@ -1,20 +1,25 @@
-//! The wire of a scanner that must be asked: a serial line, or a TCP connection; both come back after they were lost.
+//! The wire of a sensor that is asked, or that sends frames: a serial line or a TCP connection, which come back after they were lost, or
+//! a UDP port.
 
 use std::io;
 use std::path::PathBuf;
 
 use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_configuration::ScipAddress;
+use floorguard_runtime::io::DatagramReceiver as _;
 
 use super::reconnect::ReconnectingLine;
+use super::socket::UdpReceiver;
 use super::stream::ReconnectingStream;
 
-/// Either.
+/// One of them.
 pub enum ScipWire {
     /// A serial line.
     Line(ReconnectingLine),
     /// A TCP connection.
     Stream(ReconnectingStream),
+    /// A UDP port: each read gives a datagram. Nothing is written to it.
+    Datagrams(UdpReceiver),
 }
 
 impl ScipWire {
@@ -53,6 +58,13 @@ impl Read for ScipWire {
         match self {
             Self::Line(line) => line.read(buffer).await,
             Self::Stream(stream) => stream.read(buffer).await,
+            Self::Datagrams(port) => loop {
+                let received = port.receive(buffer).await?;
+                // An empty datagram is none of a bridge, and would pass for the end of a line.
+                if received.length > 0 {
+                    return Ok(received.length);
+                }
+            },
         }
     }
 }
@@ -62,6 +74,7 @@ impl Write for ScipWire {
         match self {
             Self::Line(line) => line.write(buffer).await,
             Self::Stream(stream) => stream.write(buffer).await,
+            Self::Datagrams(_) => Ok(buffer.len()),
         }
     }
 

@@ -14,7 +14,8 @@ use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
 use crate::navigator::NavigationSetup;
 use floorguard_configuration::{
-    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, ScipAddress, SerialAddress,
+    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ImuAddress, ScannerAddress, ScipAddress,
+    SerialAddress,
 };
 use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, ScipWire, UdpReceiver};
 use floorguard_host::executor::Lateness;
@@ -30,6 +31,15 @@ pub enum ScannerLink {
     Wire(ScipAddress, RangingModel),
 }
 
+/// What the inertial sensor is connected to, before the guard's thread opens it.
+#[derive(Debug)]
+pub enum ImuLink {
+    /// A line.
+    Serial(SerialAddress),
+    /// The port of a bridge, bound already, and its accepted sender.
+    Datagrams(UdpSocket, Listening),
+}
+
 /// Where the bytes come from, before the guard's thread opens it.
 #[derive(Debug)]
 pub struct Links {
@@ -40,8 +50,8 @@ pub struct Links {
     pub scanner: ScannerLink,
     /// The second safety scanner's line.
     pub rear_scanner: Option<SerialAddress>,
-    /// The inertial sensor's line.
-    pub imu: Option<SerialAddress>,
+    /// The inertial sensor's line or port.
+    pub imu: Option<ImuLink>,
     /// The CAN bus, if the drives are on one.
     pub can: Option<CanAddress>,
     /// The base that takes velocities, if it is one.
@@ -97,7 +107,13 @@ impl Links {
             }
             ScannerAddress::Wire(address, model) => ScannerLink::Wire(address.clone(), *model),
         };
-        let imu = carriers.imu.clone();
+        let imu = carriers.imu.as_ref().map(|address| match address {
+            ImuAddress::Serial(line) => Ok(ImuLink::Serial(line.clone())),
+            ImuAddress::Datagrams(address) => {
+                bind_port("imu", *address).map(|(socket, listening)| ImuLink::Datagrams(socket, listening))
+            }
+        });
+        let imu = imu.transpose()?;
         Ok(Self {
             lidar,
             scanner,
@@ -124,6 +140,9 @@ impl Links {
             listening.notices = Some(notices.clone());
         }
         if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
+            listening.notices = Some(notices.clone());
+        }
+        if let Some(ImuLink::Datagrams(_, listening)) = &mut self.imu {
             listening.notices = Some(notices.clone());
         }
         let command = self.command.as_mut().map(|(command, _)| command);
@@ -168,11 +187,17 @@ impl Links {
             note("rear safety scanner", problem);
             Tapped::new(line, TapeLine::RearScanner, tap.clone())
         });
-        let imu = self.imu.map(|address| {
-            let (line, problem) = ReconnectingLine::new(address.device, address.baud);
-            note("inertial sensor", problem);
-            (ScipWire::Line(line), address.baud)
+        let imu = self.imu.map(|link| match link {
+            ImuLink::Serial(address) => {
+                let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+                note("inertial sensor", problem);
+                Ok((ScipWire::Line(line), address.baud))
+            }
+            ImuLink::Datagrams(socket, listening) => {
+                UdpReceiver::from_socket(socket, listening).map(|port| (ScipWire::Datagrams(port), 0))
+            }
         });
+        let imu = imu.transpose()?;
         let can = self.can.map(|address| {
             let (can, problem) = CanLink::new(&address);
             note("CAN bus", problem);

@@ -17,7 +17,7 @@ pub use guard_task::GuardTask;
 pub use inbox::PeopleInbox;
 pub use latch_file::{LatchFile, latched_words};
 pub use legs::HostedLegs;
-pub use links::{Links, Missing, ScannerLink};
+pub use links::{ImuLink, Links, Missing, ScannerLink};
 pub use rings::{HostedShared, StopsAtEnd, run_rings};
 pub use second_look::SecondLook;
 pub use spawn::{
