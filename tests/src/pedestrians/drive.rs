@@ -62,17 +62,17 @@ pub struct Driven {
     pub is_reached: bool,
     /// Until then, or the limit, seconds.
     pub time_s: f32,
-    /// The nearest that anybody came to the body, metres, ≥ 0.
+    /// Least distance between a person and the body, metres, ≥ 0.
     pub least_m: f32,
-    /// The mean, over all who came near, of the nearest that each came.
+    /// Mean over the people near the robot of the least distance of each, metres.
     pub passing_m: f32,
-    /// People whom the body came to and touched.
+    /// People who were hit by the moving body.
     pub driven_into: u32,
     /// People who touched the body by their own motion.
     pub walked_into: u32,
-    /// What all who came near walked more because of the robot, metres.
+    /// Detour of the people near the robot, summed, metres.
     pub detour_m: f32,
-    /// And how much longer, seconds.
+    /// Their delay, summed, seconds.
     pub delay_s: f32,
     /// How many came near.
     pub people: u32,

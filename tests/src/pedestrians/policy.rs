@@ -13,7 +13,7 @@ use floorguard_types::motion::{Gear, MovingPerson, Waypoint};
 /// Cells of the window around the robot, metres, and how many along a side: as the navigator's.
 pub const CELL_M: f32 = 0.05;
 const SIDE: u32 = 160;
-/// The path has a waypoint every so many metres, and is drawn anew from farther off it than this, metres.
+/// Spacing of the waypoints, and distance from the path beyond which it is planned again, metres.
 const SPACING_M: f32 = 0.1;
 const OFF_M: f32 = 0.8;
 /// Who stands until the path is free wants nobody so far ahead of the outline and beside it, metres.

@@ -11,7 +11,7 @@ fn quiet_scene() -> Option<Recording> {
     Some(Recording::load(&path).expect("tracks"))
 }
 
-/// One start in the quietest recording: there without driving into anybody, and twice the same to the last bit.
+/// One start in the recording with the fewest people: the goal is reached without a collision, and two runs are equal to the bit.
 #[test]
 fn drive_among_recorded_people_repeats_itself() {
     let Some(recording) = quiet_scene() else { return };

@@ -16,8 +16,8 @@ const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.
 const MOUNT_M: f32 = 0.90;
 
-/// What arrives within a time; every so many datagrams one is lost.
-fn scans(until_us: u64, lost_every: usize) -> (Vec<(u64, Scan)>, Bridged) {
+/// Complete scans until a time; each `loss_interval`-th datagram is dropped, none for 0.
+fn scans(until_us: u64, loss_interval: usize) -> (Vec<(u64, Scan)>, Bridged) {
     let shape = BRIDGED_EXAMPLE;
     let device = ScannerDevice::Bridged(BridgedScans {
         beams: shape.beams,
@@ -34,7 +34,7 @@ fn scans(until_us: u64, lost_every: usize) -> (Vec<(u64, Scan)>, Bridged) {
         let (Stream::ScannerData, Payload::Bytes(bytes)) = (event.stream, &event.payload) else { return };
         datagrams += 1;
         assert!(bytes.len() <= 1_472);
-        if lost_every > 0 && datagrams % lost_every == 0 {
+        if loss_interval > 0 && datagrams % loss_interval == 0 {
             return;
         }
         scanner.push(bytes, Stamp::from_micros(event.at_us), &mut |heard| match heard {
