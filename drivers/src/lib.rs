@@ -35,6 +35,7 @@ pub mod imu_link;
 pub mod inertial;
 pub mod lidar;
 pub mod lidar_link;
+mod link;
 pub mod livox;
 pub mod microscan3;
 pub mod motor_drives;
@@ -59,6 +60,7 @@ pub mod wheel_line;
 pub mod xsens;
 
 pub use datagram_counters::DatagramCounters;
+pub use link::OrderError;
 
 #[cfg(test)]
 mod words_tests;

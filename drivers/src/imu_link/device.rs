@@ -6,15 +6,10 @@ use floorguard_types::time::Stamp;
 
 use super::frame::{FrameError, SamplesFrame};
 use super::receiver::FrameReceiver;
+use crate::link::{DatagramOrder, OrderError, lost_before};
 use crate::velodyne::HourClock;
 
 const HOUR_US: u64 = 3_600_000_000;
-/// A sequence that falls back by up to this was repeated or overtaken.
-const REORDER: u32 = 2_500;
-/// A longer gap is a bridge that was started anew, not a number of lost samples.
-const LOST_MAX: u32 = 5_000;
-/// After this silence another bridge may send, or the same one that counts from the beginning.
-const SILENCE_US: u64 = 1_000_000;
 /// The only code of a bridge.
 const FAULT_CODE: u8 = 1;
 
@@ -35,18 +30,8 @@ pub enum DeviceEvent {
 pub enum DeviceFault {
     /// They are none of samples.
     Frame(FrameError),
-    /// Another sender than the one that was understood last.
-    Sender {
-        /// Who sent it.
-        found: u32,
-        /// Who is listened to.
-        expected: u32,
-    },
-    /// Not newer than the sample before: repeated or overtaken.
-    NotNewer {
-        /// Its sequence.
-        sequence: u32,
-    },
+    /// They are another sender's, or out of order; the sequence is that of their first sample.
+    Order(OrderError),
 }
 
 impl DeviceFault {
@@ -55,6 +40,7 @@ impl DeviceFault {
         use core::mem::discriminant;
         match (self, other) {
             (Self::Frame(one), Self::Frame(other)) => discriminant(&one) == discriminant(&other),
+            (Self::Order(one), Self::Order(other)) => discriminant(&one) == discriminant(&other),
             (one, other) => discriminant(&one) == discriminant(&other),
         }
     }
@@ -64,13 +50,7 @@ impl core::fmt::Display for DeviceFault {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Frame(error) => write!(f, "{error}"),
-            Self::Sender { found, expected } => write!(
-                f,
-                "inertial frame of sender {found}; sender {expected} is listened to: end one of the two bridges"
-            ),
-            Self::NotNewer { sequence } => {
-                write!(f, "inertial sample {sequence} is not newer than the one before")
-            }
+            Self::Order(error) => write!(f, "inertial frame of {error}"),
         }
     }
 }
@@ -98,18 +78,10 @@ pub struct Device {
 
 #[derive(Clone, Debug, Default)]
 struct Link {
-    last: Option<Last>,
+    order: DatagramOrder,
     clock: HourClock,
     counters: DeviceCounters,
     fault: Option<DeviceFault>,
-}
-
-/// The newest sample.
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    sender: u32,
-    sequence: u32,
-    arrival: Stamp,
 }
 
 impl Device {
@@ -129,9 +101,9 @@ impl Device {
     pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(DeviceEvent)) {
         let Self { receiver, link } = self;
         receiver.push(bytes, |found| {
-            let taken = found
-                .map_err(DeviceFault::Frame)
-                .and_then(|frame| link.lost_before(&frame, now).map(|lost| (frame, lost)));
+            let taken = found.map_err(DeviceFault::Frame).and_then(|frame| {
+                link.lost_before(&frame, now).map_err(DeviceFault::Order).map(|lost| (frame, lost))
+            });
             match taken {
                 Ok((frame, lost)) => link.take(&frame, (lost, now), &mut event),
                 Err(fault) => link.refuse(fault, &mut event),
@@ -150,7 +122,7 @@ impl Link {
         self.counters.lost = self.counters.lost.saturating_add(lost);
         let later = u32::from(frame.count().saturating_sub(1));
         let sequence = frame.sequence().wrapping_add(later);
-        self.last = Some(Last { sender: frame.sender(), sequence, arrival: now });
+        self.order.accept(frame.sender(), sequence, now);
         // The newest sample arrived after it was measured: none is of the future.
         let took_us = u64::from(frame.between_us().saturating_mul(later));
         let sensor_us = truncating_u32(frame.first_sample_us().wrapping_add(took_us) % HOUR_US);
@@ -183,18 +155,7 @@ impl Link {
         }
     }
 
-    fn lost_before(&self, frame: &SamplesFrame<'_>, now: Stamp) -> Result<u32, DeviceFault> {
-        let Some(last) = self.last.filter(|last| last.arrival.past_us(now) < SILENCE_US) else {
-            return Ok(0);
-        };
-        if frame.sender() != last.sender {
-            return Err(DeviceFault::Sender { found: frame.sender(), expected: last.sender });
-        }
-        let sequence = frame.sequence();
-        if last.sequence.wrapping_sub(sequence) <= REORDER {
-            return Err(DeviceFault::NotNewer { sequence });
-        }
-        let lost = sequence.wrapping_sub(last.sequence).saturating_sub(1);
-        Ok(if lost > LOST_MAX { 0 } else { lost })
+    fn lost_before(&self, frame: &SamplesFrame<'_>, now: Stamp) -> Result<u32, OrderError> {
+        lost_before(self.order.newest(frame.sender(), now)?, frame.sequence())
     }
 }

@@ -4,6 +4,7 @@ use std::println;
 use std::vec::Vec;
 
 use super::{Device, DeviceEvent, DeviceFault, FrameError, SamplesFrame};
+use crate::link::OrderError;
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
@@ -99,7 +100,7 @@ fn lost_repeated_and_strange_samples_are_found() {
     assert_eq!(count(&number(0), 2_100_000), 2);
     let counters = device.counters();
     assert_eq!((counters.samples, counters.refused, counters.lost), (8, 2, 2));
-    assert_eq!(device.fault(), Some(DeviceFault::Sender { found: 9, expected: 7 }));
+    assert_eq!(device.fault(), Some(DeviceFault::Order(OrderError::Sender { found: 9, expected: 7 })));
 }
 
 #[test]

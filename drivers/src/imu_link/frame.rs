@@ -1,6 +1,6 @@
 //! A frame of samples as a checked view: after [`SamplesFrame::new_checked`] no accessor can fail.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crate::link::{CHECKSUM_BYTES, Damage, bytes_at, damage};
 
 /// Positions and values; book, IMU link.
 mod field {
@@ -13,7 +13,6 @@ mod field {
     pub const RESERVED: u8 = 25;
     pub const HEAD_BYTES: usize = 28;
     pub const SAMPLE_BYTES: usize = 28;
-    pub const CHECKSUM_BYTES: usize = 4;
     /// In a sample.
     pub const FLAGS: u8 = 24;
     pub const FLAGS_RESERVED: u8 = 25;
@@ -38,9 +37,6 @@ const SAMPLE_OFFSET: u8 = 28;
 /// Bits of the flags: the sensor reached the end of its range; it says that it is at fault.
 const SATURATED: u8 = 1;
 const FAULT: u8 = 2;
-
-/// CRC-32 of Ethernet and zlib.
-static CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why bytes are no frame of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,10 +141,7 @@ impl<'a> SamplesFrame<'a> {
         if bytes.len() != needed {
             return Err(FrameError::Length { found: bytes.len(), needed });
         }
-        let end = needed.saturating_sub(field::CHECKSUM_BYTES);
-        let found = bytes.last_chunk::<4>().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-        let computed = CHECKSUM.checksum(bytes.get(..end).unwrap_or_default());
-        if found != computed {
+        if let Some(Damage { found, computed }) = damage(bytes) {
             return Err(FrameError::Checksum { found, computed });
         }
         // One sample has nothing between.
@@ -215,7 +208,7 @@ impl<'a> SamplesFrame<'a> {
     }
 
     fn sample_bytes(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let end = self.bytes.len().saturating_sub(field::CHECKSUM_BYTES);
+        let end = self.bytes.len().saturating_sub(CHECKSUM_BYTES);
         self.bytes.get(field::HEAD_BYTES..end).unwrap_or_default().chunks_exact(field::SAMPLE_BYTES)
     }
 }
@@ -223,7 +216,7 @@ impl<'a> SamplesFrame<'a> {
 /// Bytes of a frame of so many samples.
 pub(super) fn frame_bytes(samples: u8) -> usize {
     let of_samples = usize::from(samples).saturating_mul(field::SAMPLE_BYTES);
-    of_samples.saturating_add(field::HEAD_BYTES + field::CHECKSUM_BYTES)
+    of_samples.saturating_add(field::HEAD_BYTES + CHECKSUM_BYTES)
 }
 
 /// Flags that are known, and numbers that can have been measured.
@@ -243,9 +236,4 @@ fn check_sample(number: u8, sample: &[u8]) -> Result<(), FrameError> {
     let is_measured = [0, 4, 8].into_iter().all(|at| within(at, RATE_MAX_RADPS))
         && [12, 16, 20].into_iter().all(|at| within(at, ACCELERATION_MAX_MPS2));
     if is_measured { Ok(()) } else { Err(FrameError::Value { sample: number }) }
-}
-
-/// Beyond the end: 0.
-fn bytes_at<const N: usize>(bytes: &[u8], at: u8) -> [u8; N] {
-    bytes.get(usize::from(at)..).and_then(<[u8]>::first_chunk::<N>).copied().unwrap_or([0; N])
 }

@@ -1,6 +1,7 @@
 //! Why a datagram gives no columns.
 
 use super::frame::FrameError;
+use crate::link::OrderError;
 
 /// A datagram that gives no columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,18 +16,8 @@ pub enum DecodeError {
         /// Elevations of the robot's file.
         expected: u8,
     },
-    /// Another sender than the one that was understood first.
-    Sender {
-        /// Who sent it.
-        found: u32,
-        /// Who is listened to.
-        expected: u32,
-    },
-    /// Not newer than the datagram before: repeated or overtaken.
-    NotNewer {
-        /// Its sequence.
-        sequence: u32,
-    },
+    /// It is another sender's, or out of order.
+    Order(OrderError),
 }
 
 impl core::fmt::Display for DecodeError {
@@ -39,15 +30,7 @@ impl core::fmt::Display for DecodeError {
                     "lidar datagram of {found} rings; `elevations_deg` of this robot's file has {expected}"
                 )
             }
-            Self::Sender { found, expected } => {
-                write!(
-                    f,
-                    "lidar datagram of sender {found}; sender {expected} is listened to: end one of the two bridges"
-                )
-            }
-            Self::NotNewer { sequence } => {
-                write!(f, "lidar datagram {sequence} is not newer than the one before")
-            }
+            Self::Order(error) => write!(f, "lidar datagram of {error}"),
         }
     }
 }

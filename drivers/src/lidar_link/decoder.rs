@@ -1,6 +1,6 @@
 //! From a datagram to a stamped [`LidarPacketOf`]: sender, losses, clock.
 
-use floorguard_types::number::{truncating_u8, truncating_u32};
+use floorguard_types::number::{truncating_u8, truncating_u16, truncating_u32};
 use floorguard_types::profile::{Native, Profile, Size, Table};
 use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf};
 use floorguard_types::time::Stamp;
@@ -8,31 +8,19 @@ use floorguard_types::time::Stamp;
 use super::decode_error::DecodeError;
 use super::frame::{ColumnsFrame, RINGS_MAX};
 use crate::datagram_counters::DatagramCounters;
+use crate::link::{DatagramOrder, lost_before};
 use crate::velodyne::HourClock;
 
 const HOUR_US: u64 = 3_600_000_000;
-/// A sequence that falls back by up to this was repeated or overtaken.
-const REORDER: u32 = 2_500;
-/// A longer gap is a bridge that was started anew, not a number of lost datagrams.
-const LOST_MAX: u32 = 5_000;
-/// After this silence another bridge may send, or the same one that counts from the beginning.
-const SILENCE_US: u64 = 1_000_000;
 
 /// Decodes the stream of one bridge.
 #[derive(Clone, Debug)]
 pub struct DecoderOf<P: Profile> {
     rings: u8,
-    last: Option<Last>,
+    order: DatagramOrder,
     clock: HourClock,
     counters: DatagramCounters,
     profile: core::marker::PhantomData<P>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    sender: u32,
-    sequence: u32,
-    arrival: Stamp,
 }
 
 /// For the lidars of the target.
@@ -44,7 +32,7 @@ impl<P: Profile> DecoderOf<P> {
     pub fn new(rings: u8) -> Self {
         Self {
             rings: rings.min(truncating_u8(P::Rings::N)).min(RINGS_MAX),
-            last: None,
+            order: DatagramOrder::default(),
             clock: HourClock::default(),
             counters: DatagramCounters::default(),
             profile: core::marker::PhantomData,
@@ -92,8 +80,9 @@ impl<P: Profile> DecoderOf<P> {
         if frame.rings() != self.rings {
             return Err(DecodeError::Rings { found: frame.rings(), expected: self.rings });
         }
-        let lost = self.lost_before(&frame, arrival)?;
-        self.last = Some(Last { sender: frame.sender(), sequence: frame.sequence(), arrival });
+        let newest = self.order.newest(frame.sender(), arrival).map_err(DecodeError::Order)?;
+        let lost = lost_before(newest, frame.sequence()).map_err(DecodeError::Order)?;
+        self.order.accept(frame.sender(), frame.sequence(), arrival);
         let took_us = frame.columns().last().map_or(0, |column| column.offset_us);
         let sensor_us = truncating_u32(frame.sent_us() % HOUR_US);
         out.stamp = self.clock.stamp(sensor_us, arrival.minus_micros(u64::from(took_us)));
@@ -117,21 +106,6 @@ impl<P: Profile> DecoderOf<P> {
             // At most 24 columns, the capacity.
             let _full = out.columns.push(seen);
         }
-        Ok(lost)
-    }
-
-    fn lost_before(&self, frame: &ColumnsFrame<'_>, arrival: Stamp) -> Result<u16, DecodeError> {
-        let Some(last) = self.last.filter(|last| last.arrival.past_us(arrival) < SILENCE_US) else {
-            return Ok(0);
-        };
-        if frame.sender() != last.sender {
-            return Err(DecodeError::Sender { found: frame.sender(), expected: last.sender });
-        }
-        let sequence = frame.sequence();
-        if last.sequence.wrapping_sub(sequence) <= REORDER {
-            return Err(DecodeError::NotNewer { sequence });
-        }
-        let lost = sequence.wrapping_sub(last.sequence).saturating_sub(1);
-        Ok(if lost > LOST_MAX { 0 } else { u16::try_from(lost).unwrap_or(0) })
+        Ok(truncating_u16(lost))
     }
 }

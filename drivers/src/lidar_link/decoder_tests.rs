@@ -3,6 +3,7 @@
 use std::vec::Vec;
 
 use super::{ColumnsFrame, DecodeError, Decoder, FrameError};
+use crate::link::OrderError;
 use floorguard_types::time::Stamp;
 
 /// Sender 7, number 42, 1,000.000123 s, two rings, two columns 98 µs apart on either side of 0°.
@@ -64,8 +65,8 @@ fn lost_and_repeated_datagrams_are_found() {
     assert_eq!(decode(u32::MAX, 1_000_000), Ok(0));
     assert_eq!(decode(0, 1_001_000), Ok(0));
     assert_eq!(decode(4, 1_002_000), Ok(3));
-    assert_eq!(decode(4, 1_003_000), Err(DecodeError::NotNewer { sequence: 4 }));
-    assert_eq!(decode(2, 1_004_000), Err(DecodeError::NotNewer { sequence: 2 }));
+    assert_eq!(decode(4, 1_003_000), Err(DecodeError::Order(OrderError::NotNewer { sequence: 4 })));
+    assert_eq!(decode(2, 1_004_000), Err(DecodeError::Order(OrderError::NotNewer { sequence: 2 })));
     // After a second of silence a bridge may count from the beginning.
     assert_eq!(decode(2, 2_100_000), Ok(0));
     assert_eq!((decoder.counters().accepted, decoder.counters().refused, decoder.counters().lost), (4, 2, 3));
@@ -77,7 +78,7 @@ fn strangers_and_other_rings_are_refused() {
     decoder.decode(&vector(), at(1_000_000)).unwrap();
     let stranger = changed(|bytes| (bytes[4], bytes[8]) = (9, 50));
     let refused = decoder.decode(&stranger, at(1_010_000)).map(|_| ());
-    assert_eq!(refused, Err(DecodeError::Sender { found: 9, expected: 7 }));
+    assert_eq!(refused, Err(DecodeError::Order(OrderError::Sender { found: 9, expected: 7 })));
     let refused = Decoder::new(16).decode(&vector(), at(1_000_000)).map(|_| ());
     assert_eq!(refused, Err(DecodeError::Rings { found: 2, expected: 16 }));
 }

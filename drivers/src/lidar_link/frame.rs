@@ -1,12 +1,11 @@
 //! A datagram of columns as a checked view: after [`ColumnsFrame::new_checked`] no accessor can fail.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crate::link::{CHECKSUM_BYTES, Damage, damage};
 
 /// Positions and values; book, Lidar link.
 mod field {
     pub const START: [u8; 4] = [b'F', b'G', 1, 4];
     pub const HEAD_BYTES: usize = 24;
-    pub const CHECKSUM_BYTES: usize = 4;
     /// Azimuth and time of a column.
     pub const COLUMN_HEAD_BYTES: usize = 4;
     /// Range and reflectivity of a ring.
@@ -21,9 +20,6 @@ const COLUMNS_MAX: u8 = 24;
 const UNIT_MM_MAX: u8 = 10;
 /// A whole turn, hundredths of a degree.
 const TURN_CDEG: u16 = 36_000;
-
-/// CRC-32 of Ethernet and zlib.
-static CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why a datagram is none of columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,16 +110,14 @@ impl<'a> ColumnsFrame<'a> {
         }
         let needed = usize::from(columns)
             .saturating_mul(column_bytes(rings))
-            .saturating_add(field::HEAD_BYTES + field::CHECKSUM_BYTES);
+            .saturating_add(field::HEAD_BYTES + CHECKSUM_BYTES);
         if bytes.len() != needed {
             return Err(FrameError::Length { found: bytes.len(), needed });
         }
         if u32_at(bytes, 4) == 0 {
             return Err(FrameError::Field { offset: 4, found: 0 });
         }
-        let end = needed.saturating_sub(field::CHECKSUM_BYTES);
-        let (found, computed) = (u32_at(bytes, end), CHECKSUM.checksum(bytes.get(..end).unwrap_or_default()));
-        if found != computed {
+        if let Some(Damage { found, computed }) = damage(bytes) {
             return Err(FrameError::Checksum { found, computed });
         }
         let frame = Self { bytes, rings };
@@ -177,7 +171,7 @@ impl<'a> ColumnsFrame<'a> {
 
     /// The columns.
     pub fn columns(&self) -> impl Iterator<Item = Column<'a>> + use<'a> {
-        let end = self.bytes.len().saturating_sub(field::CHECKSUM_BYTES);
+        let end = self.bytes.len().saturating_sub(CHECKSUM_BYTES);
         let columns = self.bytes.get(field::HEAD_BYTES..end).unwrap_or_default();
         columns.chunks_exact(column_bytes(self.rings)).map(|bytes| Column {
             azimuth_cdeg: u16_at(bytes, 0),

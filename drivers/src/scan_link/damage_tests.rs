@@ -4,6 +4,7 @@ use std::println;
 use std::vec::Vec;
 
 use super::{DecodeError, Decoder, ScanShape};
+use crate::link::OrderError;
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
@@ -65,7 +66,7 @@ fn fragments_come_in_any_order() {
         for place in &order[..2] {
             assert!(decoder.decode(&sent[*place], now).unwrap().is_none());
             let again = decoder.decode(&sent[*place], now).map(|_| ());
-            assert_eq!(again, Err(DecodeError::NotNewer { sequence }));
+            assert_eq!(again, Err(DecodeError::Order(OrderError::NotNewer { sequence })));
         }
         let scan = decoder.decode(&sent[order[2]], now.plus_micros(900)).unwrap().unwrap();
         // Its delay is that of the first datagram; the middle of 1,440 beams lies 50 ms before.
@@ -84,7 +85,7 @@ fn incomplete_scans_are_lost_and_counted() {
     }
     // What comes after a newer scan has begun belongs nowhere.
     let late = decoder.decode(&one[1], at(1_100_100)).map(|_| ());
-    assert_eq!(late, Err(DecodeError::NotNewer { sequence: 1 }));
+    assert_eq!(late, Err(DecodeError::Order(OrderError::NotNewer { sequence: 1 })));
     // A datagram that describes the scan in another way is not put into it.
     let mut other = two[1].clone();
     other.truncate(1_436);

@@ -3,6 +3,7 @@
 use floorguard_types::number::nearest_f64;
 
 use super::frame::FrameError;
+use crate::link::OrderError;
 
 /// A datagram that is of no use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,18 +20,8 @@ pub enum DecodeError {
         /// What the robot's file has.
         expected: i64,
     },
-    /// Another sender than the one that was understood last.
-    Sender {
-        /// Who sent it.
-        found: u32,
-        /// Who is listened to.
-        expected: u32,
-    },
-    /// Of no newer scan than the one before, or heard before: repeated or overtaken.
-    NotNewer {
-        /// Its sequence.
-        sequence: u32,
-    },
+    /// It is another sender's, or of no newer scan than the one before, or was heard before.
+    Order(OrderError),
     /// It describes its scan in another way than the datagrams of it that came before.
     Disagrees {
         /// Its sequence.
@@ -59,6 +50,7 @@ impl DecodeError {
         use core::mem::discriminant;
         match (self, other) {
             (Self::Frame(one), Self::Frame(other)) => discriminant(one) == discriminant(&other),
+            (Self::Order(one), Self::Order(other)) => discriminant(one) == discriminant(&other),
             (Self::Shape { part: one, .. }, Self::Shape { part: other, .. }) => *one == other,
             (one, other) => discriminant(one) == discriminant(&other),
         }
@@ -87,13 +79,7 @@ impl core::fmt::Display for DecodeError {
                     degrees(*expected)
                 )
             }
-            Self::Sender { found, expected } => write!(
-                f,
-                "scan datagram of sender {found}; sender {expected} is listened to: end one of the two bridges"
-            ),
-            Self::NotNewer { sequence } => {
-                write!(f, "scan datagram of scan {sequence}, which is not newer than the one before")
-            }
+            Self::Order(error) => write!(f, "scan datagram of {error}"),
             Self::Disagrees { sequence } => {
                 write!(f, "scan datagram of scan {sequence} disagrees with another of that scan")
             }

@@ -9,15 +9,10 @@ use floorguard_types::units::RADIANS_PER_DEGREE;
 use super::decode_error::DecodeError;
 use super::frame::{BEAMS_MAX, BeamsFrame, ScanHead};
 use super::shape::ScanShape;
+use crate::link::{DatagramOrder, lost_before};
 use crate::velodyne::HourClock;
 
 const HOUR_US: u64 = 3_600_000_000;
-/// A sequence that falls back by up to this was repeated or overtaken.
-const REORDER: u32 = 2_500;
-/// A longer gap is a bridge that was started anew, not a number of lost scans.
-const LOST_MAX: u32 = 5_000;
-/// After this silence another bridge may send, or the same one that counts from the beginning.
-const SILENCE_US: u64 = 1_000_000;
 
 /// Counts; saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,20 +30,12 @@ pub struct ScanCounters {
 #[derive(Clone, Debug)]
 pub struct DecoderOf<P: Profile> {
     shape: ScanShape,
-    last: Option<Last>,
+    order: DatagramOrder,
     /// The scan that is being collected; `None`: the newest one is complete.
     collected: Option<Collected>,
     clock: HourClock,
     counters: ScanCounters,
     scan: ScanOf<P>,
-}
-
-/// The newest datagram that was of use.
-#[derive(Clone, Copy, Debug)]
-struct Last {
-    sender: u32,
-    sequence: u32,
-    arrival: Stamp,
 }
 
 /// A scan of which datagrams are missing.
@@ -70,7 +57,7 @@ impl<P: Profile> DecoderOf<P> {
     pub fn new(shape: ScanShape) -> Self {
         Self {
             shape,
-            last: None,
+            order: DatagramOrder::default(),
             collected: None,
             clock: HourClock::default(),
             counters: ScanCounters::default(),
@@ -105,27 +92,23 @@ impl<P: Profile> DecoderOf<P> {
     fn take(&mut self, payload: &[u8], arrival: Stamp) -> Result<bool, DecodeError> {
         let frame = BeamsFrame::new_checked(payload).map_err(DecodeError::Frame)?;
         let head = frame.head();
-        let known = self.last.filter(|last| last.arrival.past_us(arrival) < SILENCE_US);
-        if let Some(last) = known.filter(|last| last.sender != head.sender) {
-            return Err(DecodeError::Sender { found: head.sender, expected: last.sender });
-        }
+        let newest = self.order.newest(head.sender, arrival).map_err(DecodeError::Order)?;
         self.shape.check(&head)?;
         let bit = 1_u8.checked_shl(u32::from(frame.fragment())).unwrap_or(0);
-        let same_scan = known.filter(|last| last.sequence == head.sequence);
-        let mut collected = match (same_scan, self.collected) {
-            (Some(_), Some(collected)) if collected.head != head => {
+        let is_same_scan = newest == Some(head.sequence);
+        let mut collected = match (is_same_scan, self.collected) {
+            (true, Some(collected)) if collected.head != head => {
                 return Err(DecodeError::Disagrees { sequence: head.sequence });
             }
-            (Some(_), Some(collected)) if collected.missing & bit != 0 => collected,
-            (Some(_), _) => return Err(DecodeError::NotNewer { sequence: head.sequence }),
-            (None, _) => {
-                let lost = lost_before(known, head.sequence)?;
+            (true, Some(collected)) if collected.missing & bit != 0 => collected,
+            _ => {
+                let lost = lost_before(newest, head.sequence).map_err(DecodeError::Order)?;
                 self.begin(&head, lost);
                 let missing = 1_u8.checked_shl(u32::from(frame.fragments())).unwrap_or(0).saturating_sub(1);
                 Collected { head, missing, arrival }
             }
         };
-        self.last = Some(Last { sender: head.sender, sequence: head.sequence, arrival });
+        self.order.accept(head.sender, head.sequence, arrival);
         self.enter(&frame);
         collected.missing &= !bit;
         let is_complete = collected.missing == 0;
@@ -170,14 +153,4 @@ impl<P: Profile> DecoderOf<P> {
         let last = self.clock.stamp(last_us, collected.arrival);
         last.minus_micros(duration_us.unsigned_abs() / 2)
     }
-}
-
-/// How many scans are missing before one.
-fn lost_before(known: Option<Last>, sequence: u32) -> Result<u32, DecodeError> {
-    let Some(last) = known else { return Ok(0) };
-    if last.sequence.wrapping_sub(sequence) <= REORDER {
-        return Err(DecodeError::NotNewer { sequence });
-    }
-    let lost = sequence.wrapping_sub(last.sequence).saturating_sub(1);
-    Ok(if lost > LOST_MAX { 0 } else { lost })
 }

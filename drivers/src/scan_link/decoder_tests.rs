@@ -6,6 +6,7 @@ use std::vec::Vec;
 
 use super::damage_tests::{crc32, datagrams};
 use super::{BeamsFrame, DecodeError, Decoder, FrameError, ScanShape, ShapePart};
+use crate::link::OrderError;
 use floorguard_types::sensing::BeamReturn::{Hit, Unknown};
 use floorguard_types::time::Stamp;
 
@@ -78,8 +79,8 @@ fn lost_and_repeated_scans_are_found() {
     assert_eq!(decode(u32::MAX, 1_000_000), Ok(true));
     assert_eq!(decode(0, 1_050_000), Ok(true));
     assert_eq!(decode(4, 1_100_000), Ok(true));
-    assert_eq!(decode(4, 1_150_000), Err(DecodeError::NotNewer { sequence: 4 }));
-    assert_eq!(decode(2, 1_200_000), Err(DecodeError::NotNewer { sequence: 2 }));
+    assert_eq!(decode(4, 1_150_000), Err(DecodeError::Order(OrderError::NotNewer { sequence: 4 })));
+    assert_eq!(decode(2, 1_200_000), Err(DecodeError::Order(OrderError::NotNewer { sequence: 2 })));
     // After a second of silence a bridge may count from the beginning.
     assert_eq!(decode(2, 2_300_000), Ok(true));
     let counters = decoder.counters();
@@ -92,7 +93,7 @@ fn strangers_and_other_scans_are_refused() {
     decoder.decode(&vector(), at(1_000_000)).unwrap();
     let stranger = changed(|bytes| (bytes[4], bytes[8]) = (9, 50));
     let refused = decoder.decode(&stranger, at(1_010_000)).map(|_| ());
-    assert_eq!(refused, Err(DecodeError::Sender { found: 9, expected: 7 }));
+    assert_eq!(refused, Err(DecodeError::Order(OrderError::Sender { found: 9, expected: 7 })));
     assert!(decoder.decode(&stranger, at(2_100_000)).unwrap().is_some());
     for (shape, part, words) in [
         (ScanShape { beams: 6, ..SHAPE }, ShapePart::Beams, "5 beams; this robot's file has 6"),

@@ -1,6 +1,6 @@
 //! A datagram of beams as a checked view: after [`BeamsFrame::new_checked`] no accessor can fail.
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crate::link::{CHECKSUM_BYTES, Damage, bytes_at, damage};
 
 /// Positions and values; book, Scan link.
 mod field {
@@ -16,7 +16,6 @@ mod field {
     pub const FRAGMENTS: u8 = 35;
     pub const HEAD_BYTES: usize = 36;
     pub const RANGE_BYTES: usize = 2;
-    pub const CHECKSUM_BYTES: usize = 4;
 }
 
 /// Beams of a scan at most: those of the finest scanner that the guard takes.
@@ -29,9 +28,6 @@ const ANGLE_MAX_UDEG: i64 = 360_000_000;
 const STEP_MAX_UDEG: i64 = 10_000_000;
 /// From the first beam to the last at most, nanoseconds: slower scans protect nobody.
 const SCAN_MAX_NS: i64 = 1_000_000_000;
-
-/// CRC-32 of Ethernet and zlib.
-static CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why a datagram is none of beams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,14 +152,11 @@ impl<'a> BeamsFrame<'a> {
         let frame = Self { bytes, head, fragment, fragments };
         let needed = usize::from(frame.here())
             .saturating_mul(field::RANGE_BYTES)
-            .saturating_add(field::HEAD_BYTES + field::CHECKSUM_BYTES);
+            .saturating_add(field::HEAD_BYTES + CHECKSUM_BYTES);
         if bytes.len() != needed {
             return Err(FrameError::Length { found: bytes.len(), needed });
         }
-        let end = needed.saturating_sub(field::CHECKSUM_BYTES);
-        let found = bytes.last_chunk::<4>().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-        let computed = CHECKSUM.checksum(bytes.get(..end).unwrap_or_default());
-        if found != computed {
+        if let Some(Damage { found, computed }) = damage(bytes) {
             return Err(FrameError::Checksum { found, computed });
         }
         if head.duration_ns().abs() > SCAN_MAX_NS {
@@ -198,7 +191,7 @@ impl<'a> BeamsFrame<'a> {
 
     /// Ranges of its beams, millimetres; 0 is no return.
     pub fn ranges_mm(&self) -> impl Iterator<Item = u16> + use<'a> {
-        let end = self.bytes.len().saturating_sub(field::CHECKSUM_BYTES);
+        let end = self.bytes.len().saturating_sub(CHECKSUM_BYTES);
         let ranges = self.bytes.get(field::HEAD_BYTES..end).unwrap_or_default();
         ranges
             .chunks_exact(field::RANGE_BYTES)
@@ -234,9 +227,4 @@ fn head_of(bytes: &[u8]) -> ScanHead {
 fn u8_at(bytes: &[u8], at: u8) -> u8 {
     let [byte] = bytes_at(bytes, at);
     byte
-}
-
-/// Beyond the end: 0.
-fn bytes_at<const N: usize>(bytes: &[u8], at: u8) -> [u8; N] {
-    bytes.get(usize::from(at)..).and_then(<[u8]>::first_chunk::<N>).copied().unwrap_or([0; N])
 }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crc::{CRC_32_ISO_HDLC, Crc, Table};
+use crate::link::{CHECKSUM, CHECKSUM_BYTES, Damage, damage};
 
 /// The first two bytes of each frame, "FG".
 pub(super) const MAGIC: [u8; 2] = *b"FG";
@@ -14,14 +14,9 @@ pub(super) const PERMIT: u8 = 2;
 pub(super) const MOTION: u8 = 3;
 /// Bytes before the first field: magic, version, kind.
 pub(super) const START_BYTES: usize = 4;
-/// Bytes of the checksum.
-const CHECKSUM_BYTES: usize = 4;
 
 /// The longest frame, bytes: a permit.
 pub const FRAME_BYTES_MAX: usize = super::permit::PERMIT_BYTES;
-
-/// CRC-32 of Ethernet and zlib.
-static CHECKSUM: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why bytes are no frame of the kind that was expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,11 +94,10 @@ pub(super) fn checked(bytes: &[u8], kind: u8) -> Result<Fields<'_>, FrameError> 
     if bytes.len() != needed {
         return Err(wrong_length);
     }
-    let (body, found) = bytes.split_last_chunk::<CHECKSUM_BYTES>().ok_or(wrong_length)?;
-    let (found, computed) = (u32::from_le_bytes(*found), CHECKSUM.checksum(body));
-    if found != computed {
+    if let Some(Damage { found, computed }) = damage(bytes) {
         return Err(FrameError::Checksum { found, computed });
     }
+    let (body, _) = bytes.split_last_chunk::<CHECKSUM_BYTES>().ok_or(wrong_length)?;
     Ok(Fields { rest: body.get(START_BYTES..).unwrap_or_default() })
 }
 
