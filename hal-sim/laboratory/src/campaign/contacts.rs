@@ -340,6 +340,18 @@ mod tests {
         }
     }
 
+    /// The switches under the robot's front feel floor: a ramp that it drives up is seen by none of its sensors. Its bumper feels the ramp
+    /// where that is as high, and not what lies beside it (trial 141).
+    #[test]
+    fn switches_feel_floor_and_bumpers_objects() {
+        for (trial, drove_into) in [(894, "ramp"), (141, "box")] {
+            let row = contact_trial(7, trial);
+            assert!(row.passed && row.counts.went_on == 0, "{trial}: {:?} {:?}", row.failures, row.contacts);
+            let [contact] = row.contacts.as_slice() else { panic!("{trial}: {:?}", row.contacts) };
+            assert!(contact.contains(drove_into) && contact.contains("no sensor"), "{contact}");
+        }
+    }
+
     /// A box that is too low for lidar and scanner presses the bumper: it holds as long as the box is there, against a reset, too.
     #[test]
     fn touched_bumper_holds_against_reset() {
