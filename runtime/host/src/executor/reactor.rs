@@ -10,10 +10,47 @@ use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use embassy_futures::yield_now;
-use rustix::event::epoll;
+use rustix::event::{Timespec, epoll};
+use rustix::time::{
+    Itimerspec, TimerfdClockId, TimerfdFlags, TimerfdTimerFlags, timerfd_create, timerfd_settime,
+};
 
 /// Events taken from the kernel per call; more wait for the next call.
 const EVENTS_PER_WAIT: usize = 32;
+/// What the kernel gives back for the timer, which no task waits for.
+const TIMER: u64 = u64::MAX;
+
+/// What the kernel tells about: the descriptors, and the end of a sleep.
+///
+/// A sleep ends by a timer descriptor. The time limit of `epoll_pwait` is in whole milliseconds and rounded up, and the one in
+/// nanoseconds needs Linux 5.11.
+struct Kernel {
+    epoll: OwnedFd,
+    timer: OwnedFd,
+}
+
+impl Kernel {
+    fn new() -> io::Result<Self> {
+        let epoll = epoll::create(epoll::CreateFlags::CLOEXEC)?;
+        let flags = TimerfdFlags::CLOEXEC | TimerfdFlags::NONBLOCK;
+        let timer = timerfd_create(TimerfdClockId::Monotonic, flags)?;
+        let edge = epoll::EventFlags::IN | epoll::EventFlags::ET;
+        epoll::add(&epoll, &timer, epoll::EventData::new_u64(TIMER), edge)?;
+        Ok(Self { epoll, timer })
+    }
+
+    /// The sleep ends in so long, which is not zero.
+    fn end_sleep_in(&self, duration: Duration) -> io::Result<()> {
+        let zero = Timespec { tv_sec: 0, tv_nsec: 0 };
+        let it_value = Timespec {
+            tv_sec: duration.as_secs().try_into().unwrap_or(i64::MAX),
+            tv_nsec: duration.subsec_nanos().into(),
+        };
+        let once = Itimerspec { it_interval: zero, it_value };
+        timerfd_settime(&self.timer, TimerfdTimerFlags::empty(), &once)?;
+        Ok(())
+    }
+}
 
 #[derive(Default)]
 struct Waiting {
@@ -23,7 +60,7 @@ struct Waiting {
 
 #[derive(Default)]
 struct Reactor {
-    epoll: Option<OwnedFd>,
+    kernel: Option<Kernel>,
     waiting: Vec<Waiting>,
     /// Filled by the kernel; kept for its memory, as the next one.
     events: Vec<epoll::Event>,
@@ -36,11 +73,11 @@ thread_local! {
 }
 
 impl Reactor {
-    fn epoll(&mut self) -> io::Result<&OwnedFd> {
-        if self.epoll.is_none() {
-            self.epoll = Some(epoll::create(epoll::CreateFlags::CLOEXEC)?);
+    fn kernel(&mut self) -> io::Result<&Kernel> {
+        if self.kernel.is_none() {
+            self.kernel = Some(Kernel::new()?);
         }
-        self.epoll.as_ref().ok_or_else(|| io::Error::other("no epoll instance"))
+        self.kernel.as_ref().ok_or_else(|| io::Error::other("no epoll instance"))
     }
 }
 
@@ -60,7 +97,7 @@ impl<F: AsFd> Source<F> {
         REACTOR.with_borrow_mut(|reactor| {
             let index = reactor.waiting.len();
             let flags = epoll::EventFlags::IN | epoll::EventFlags::OUT | epoll::EventFlags::ET;
-            epoll::add(reactor.epoll()?, &file, epoll::EventData::new_u64(index as u64), flags)?;
+            epoll::add(&reactor.kernel()?.epoll, &file, epoll::EventData::new_u64(index as u64), flags)?;
             reactor.waiting.push(Waiting::default());
             Ok(Self { file, index })
         })
@@ -110,35 +147,38 @@ impl<F: AsFd> Source<F> {
 impl<F: AsFd> Drop for Source<F> {
     fn drop(&mut self) {
         REACTOR.with_borrow_mut(|reactor| {
-            if let Some(epoll) = &reactor.epoll {
+            if let Some(kernel) = &reactor.kernel {
                 // A descriptor that the kernel has dropped already needs no removal.
-                let _ = epoll::delete(epoll, &self.file);
+                let _ = epoll::delete(&kernel.epoll, &self.file);
             }
         });
     }
 }
 
-/// Sleeps until a watched descriptor is ready or the time is over, then wakes the tasks concerned. From the second call on
-/// nothing is allocated.
-pub(super) fn wait(at_most: Option<Duration>) -> io::Result<()> {
-    let timeout = at_most.map(|duration| rustix::event::Timespec {
-        tv_sec: duration.as_secs().try_into().unwrap_or(i64::MAX),
-        tv_nsec: duration.subsec_nanos().into(),
-    });
-    let mut wakers = REACTOR.with_borrow_mut(|reactor| reactor.take_ready(timeout.as_ref()))?;
+/// Sleeps until a watched descriptor is ready or the time is over, to some microseconds, then wakes the tasks concerned. From
+/// the second call on nothing is allocated.
+pub(super) fn wait(at_most: Duration) -> io::Result<()> {
+    let mut wakers = REACTOR.with_borrow_mut(|reactor| reactor.take_ready(at_most))?;
     wakers.drain(..).for_each(Waker::wake);
     REACTOR.with_borrow_mut(|reactor| reactor.wakers = wakers);
     Ok(())
 }
 
 impl Reactor {
-    fn take_ready(&mut self, timeout: Option<&rustix::event::Timespec>) -> io::Result<Vec<Waker>> {
-        self.epoll()?;
-        let Self { epoll, waiting, events, wakers } = self;
+    fn take_ready(&mut self, at_most: Duration) -> io::Result<Vec<Waker>> {
+        self.kernel()?;
+        let Self { kernel, waiting, events, wakers } = self;
         events.clear();
         events.reserve(EVENTS_PER_WAIT);
-        if let Some(epoll) = epoll {
-            match epoll::wait(epoll, rustix::buffer::spare_capacity(events), timeout) {
+        if let Some(kernel) = kernel {
+            let look = Timespec { tv_sec: 0, tv_nsec: 0 };
+            let at_most = if at_most.is_zero() {
+                Some(&look)
+            } else {
+                kernel.end_sleep_in(at_most)?;
+                None
+            };
+            match epoll::wait(&kernel.epoll, rustix::buffer::spare_capacity(events), at_most) {
                 Ok(_) | Err(rustix::io::Errno::INTR) => {}
                 Err(error) => return Err(error.into()),
             }
@@ -150,5 +190,33 @@ impl Reactor {
             }
         }
         Ok(std::mem::take(wakers))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+
+    /// A time limit of whole milliseconds would end each of these a millisecond after its begin or not at all.
+    #[test]
+    fn sleeps_are_as_short_as_asked_for() {
+        let mut shortest = Duration::MAX;
+        for _ in 0..200 {
+            let before = Instant::now();
+            wait(Duration::from_micros(200)).unwrap();
+            let slept = before.elapsed();
+            assert!(slept >= Duration::from_micros(200), "{slept:?}");
+            shortest = shortest.min(slept);
+        }
+        assert!(shortest < Duration::from_micros(900), "{shortest:?}");
+    }
+
+    /// A timer descriptor that is set to zero never fires: this would sleep for ever.
+    #[test]
+    fn zero_time_does_not_sleep() {
+        wait(Duration::from_micros(1)).unwrap();
+        wait(Duration::ZERO).unwrap();
     }
 }

@@ -85,7 +85,7 @@ pub fn run_until_observed<'a, 'o>(
         let _ = rustix::io::read(&heard.file, &mut [0u8; 8]);
         let until_timer = next_timer_us().map(|at| Duration::from_micros(at.saturating_sub(now())));
         let sleep = if tasks.is_ready() { Duration::ZERO } else { until_timer.unwrap_or(SLEEP_MAX) };
-        wait(Some(sleep.min(SLEEP_MAX)))?;
+        wait(sleep.min(SLEEP_MAX))?;
     }
     Ok(())
 }
