@@ -48,24 +48,35 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(true);
         }
     };
-    // With the features of the tests, as `program::built`: otherwise most dependencies are compiled twice.
-    let built = ["build", "--quiet", "--workspace", "--bin", "floorguard", "--features", "floorguard/ros2"];
-    ensure!(shell::succeeds(shell::cargo().args(built))?, "the robot's program was not built");
-    let domain = DOMAINS.start + std::process::id() % (DOMAINS.end - DOMAINS.start);
-    let mut robot = robot(&domain.to_string())?;
+    let program = program("floorguard/ros2")?;
+    let domain = domain();
+    let mut robot = robot(&program, &domain.to_string())?;
     let script = folder().join(if options.rclpy { "ros.py" } else { "cyclone.py" });
     let agreed = shell::succeeds(Command::new(python).arg(script).arg(domain.to_string()));
     end(&mut robot)?;
     agreed
 }
 
-fn folder() -> PathBuf {
+/// The robot's program with these features, built.
+pub(crate) fn program(features: &str) -> Result<PathBuf> {
+    // With the features of the tests, as `program::built`: otherwise most dependencies are compiled twice.
+    let built = ["build", "--quiet", "--workspace", "--bin", "floorguard", "--features", features];
+    ensure!(shell::succeeds(shell::cargo().args(built))?, "the robot's program was not built");
+    Ok(shell::target_folder().join("debug/floorguard"))
+}
+
+/// A domain of this process.
+pub(crate) fn domain() -> u32 {
+    DOMAINS.start + std::process::id() % (DOMAINS.end - DOMAINS.start)
+}
+
+/// Where the programs of the other side are.
+pub(crate) fn folder() -> PathBuf {
     shell::root().join("tests/ros2")
 }
 
 /// A simulated robot with a person ahead, driven by `/cmd_vel`.
-fn robot(domain: &str) -> Result<Child> {
-    let program = shell::target_folder().join("debug/floorguard");
+fn robot(program: &Path, domain: &str) -> Result<Child> {
     let mut simulate = Command::new(program);
     simulate.arg("simulate").arg("--scenario").arg(folder().join("person-ahead.toml"));
     simulate.args(["--duration", ROBOT_S, "--command", "ros2:/cmd_vel", "--json"]);
@@ -81,7 +92,7 @@ fn end(robot: &mut Child) -> Result<()> {
 }
 
 /// A virtual environment with the other side.
-fn environment(work: &Path, rclpy: bool) -> Result<PathBuf, String> {
+pub(crate) fn environment(work: &Path, rclpy: bool) -> Result<PathBuf, String> {
     let venv = work.join(if rclpy { "ros" } else { "cyclone" });
     let python = venv.join("bin/python");
     if !python.is_file() {

@@ -18,6 +18,7 @@ mod figures;
 mod firmware;
 mod firmware_replay;
 mod image_size;
+mod lateness;
 mod machine;
 mod package;
 mod panel_check;
@@ -64,6 +65,8 @@ enum Command {
     CheckRecording(check_recording::Options),
     /// Play the robot in ROS 2 against another implementation of DDS: Cyclone DDS, or ROS 2 itself.
     CheckRos2(check_ros2::Options),
+    /// Measure how late the guard is while the robot is recorded, shown and read by everybody at once.
+    Lateness(lateness::Options),
     /// Walk through the operator's panel in a headless browser: by keyboard, touch and mouse, in five languages, judged by axe.
     PanelCheck(panel_check::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
@@ -104,6 +107,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
         Command::CheckRos2(options) => check_ros2::run(&options),
+        Command::Lateness(options) => lateness::run(&options),
         Command::PanelCheck(options) => panel_check::run(&options),
         Command::Targets(options) => targets::run(&options),
         Command::Package(options) => package::run(&options),
