@@ -1,10 +1,10 @@
 //! Changes inside messages that stay well-formed: values, clocks, sender marks; checksums are made good again.
 
-use super::bridged_edit::scan_datagram;
+use super::bridged_edit::{imu_frame, scan_datagram};
 use crate::can::CanFrame;
 use crate::wire::{
-    BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, LINK_CRC_BYTES, SCAN_HEAD_BYTES, SCAN_START, reseal_message,
-    reseal_telegram, reseal_vectornav,
+    BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, IMU_HEAD_BYTES, IMU_START, LINK_CRC_BYTES, SCAN_HEAD_BYTES,
+    SCAN_START, reseal_message, reseal_telegram, reseal_vectornav,
 };
 use crate::wire::{Payload, Stream, WireEvent};
 
@@ -50,6 +50,11 @@ pub fn apply(edit: Edit, event: &mut WireEvent) {
         }
         (Stream::ScannerData, Payload::Bytes(bytes)) if bytes.len() > DATAGRAM_HEADER => {
             scanner_datagram(edit, bytes);
+        }
+        (Stream::ImuSerial, Payload::Bytes(bytes))
+            if bytes.starts_with(IMU_START) && bytes.len() > IMU_HEAD_BYTES + LINK_CRC_BYTES =>
+        {
+            imu_frame(edit, bytes);
         }
         (Stream::ImuSerial, Payload::Bytes(bytes)) if bytes.starts_with(&[0xFA, 0x05]) => {
             vectornav(edit, bytes);

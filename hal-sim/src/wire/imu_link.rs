@@ -2,6 +2,11 @@
 
 use super::lidar_link::crc32;
 
+/// What a frame of samples begins with.
+pub const IMU_START: &[u8] = b"FG\x01\x06";
+/// Bytes before the samples.
+pub const IMU_HEAD_BYTES: usize = 28;
+
 /// A frame of samples: rates, accelerations, flags; forward, left, up.
 #[must_use]
 pub fn imu_link_frame(
@@ -9,7 +14,7 @@ pub fn imu_link_frame(
     (first_us, between_us): (u64, u32),
     samples: &[([f32; 3], [f32; 3], u8)],
 ) -> Vec<u8> {
-    let mut bytes = vec![b'F', b'G', 1, 6];
+    let mut bytes = IMU_START.to_vec();
     bytes.extend([sender, sequence].map(u32::to_le_bytes).concat());
     bytes.extend(first_us.to_le_bytes());
     bytes.extend(between_us.to_le_bytes());

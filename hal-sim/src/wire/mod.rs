@@ -21,7 +21,7 @@ mod xbus;
 pub use cola::{ColaHeader, cola_binary, cola_scan, cola_scan_binary, cola_telegram};
 pub use event::{Payload, Stream, WireEvent};
 pub use hesai::{FIRINGS, PandarPacket};
-pub use imu_link::imu_link_frame;
+pub use imu_link::{IMU_HEAD_BYTES, IMU_START, imu_link_frame};
 pub use lidar_link::ColumnsDatagram;
 pub use livox::LivoxDatagram;
 pub use microscan3::{

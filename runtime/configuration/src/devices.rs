@@ -71,11 +71,8 @@ pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
 }
 
 pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, ImuAddress)> {
-    let models = [
-        ("xsens-mti", ImuModel::XsensMti),
-        ("vectornav", ImuModel::VectorNav),
-        ("bridged", ImuModel::Bridged),
-    ];
+    let models =
+        [ImuModel::XsensMti, ImuModel::VectorNav, ImuModel::Bridged].map(|model| (model.key(), model));
     let model = section.choice_or("model", &models, ImuModel::XsensMti);
     let source = if model == ImuModel::Bridged && !is_on_line(&section) {
         read_datagrams(&section, "udp:127.0.0.1:2371").map(ImuAddress::Datagrams)

@@ -35,6 +35,10 @@ const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:60
 const RANGING_SCANNER: &str =
     "model = \"hokuyo-ust\"\nsource = \"tcp:192.168.0.10:10940\"\naccept_uncertified_mps = 0.3\n";
 
+/// The inertial sensor of the example robot, and one behind a bridge.
+const LINE_IMU: &str = "[imu]\nsource = \"serial:/dev/ttyUSB1\"\nbaud = 115200\n";
+const BRIDGED_IMU: &str = "[imu]\nmodel = \"bridged\"\nsource = \"udp:127.0.0.1:2371\"\n";
+
 /// The lidar of the example robot.
 const LIDAR: &str = "model = \"vlp16\"\n";
 
@@ -119,6 +123,7 @@ pub fn reference() -> String {
     let others = others.chain(rows_of(&with_all.replace(LINE_SCANNER, RANGING_SCANNER)));
     let bridged = super::bridged_scanner_keys(&super::BRIDGED_EXAMPLE) + "accept_uncertified_mps = 0.3\n";
     let others = others.chain(rows_of(&with_all.replace(LINE_SCANNER, &bridged)));
+    let others = others.chain(rows_of(&with_all.replace(LINE_IMU, BRIDGED_IMU)));
     let others = others.chain(rows_of(&super::EXAMPLE.replace(LIDAR, &ouster)));
     let others = others.chain(rows_of(&super::EXAMPLE.replace(LIDAR, &super::bridged_keys())));
     for row in others {

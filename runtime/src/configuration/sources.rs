@@ -169,6 +169,16 @@ pub enum ImuModel {
 }
 
 impl ImuModel {
+    /// Its word in the robot's file.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::XsensMti => "xsens-mti",
+            Self::VectorNav => "vectornav",
+            Self::Bridged => "bridged",
+        }
+    }
+
     /// Its driver, for a line of so many bits per second.
     #[must_use]
     pub fn driver(self, baud: u32) -> AnyInertialSensor {

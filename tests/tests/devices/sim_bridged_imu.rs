@@ -53,13 +53,13 @@ fn bridged_samples_equal_motion_within_noise() {
     }
 }
 
-/// The robot drives with it as with an MTi, and stands without it.
+/// The robot drives with it as with an MTi, and stands without it, and when its numbers are none or another bridge sends.
 #[test]
 fn robot_with_a_bridged_imu_drives() {
     let drive = |fault: Option<&str>| {
-        let mut plan = Plan::named("corridor", 1, 6_000_000).unwrap();
-        let imu = plan.robot.imu.as_mut().unwrap();
-        imu.model = ImuModel::Bridged;
+        let plan = Plan::named("corridor", 1, 6_000_000).unwrap();
+        let mut plan = plan.with_imu(ImuModel::Bridged).unwrap();
+        assert_eq!(plan.robot.imu.unwrap().model, ImuModel::Bridged);
         plan.lidar_grain = 4;
         plan.faults.extend(fault.map(|text| FaultSpec::parse(text).unwrap()));
         let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
@@ -70,6 +70,11 @@ fn robot_with_a_bridged_imu_drives() {
     let (driven_m, lost_m) = (drive(None), drive(Some("imu:drop=100%")));
     println!("{driven_m:.3} m, {lost_m:.3} m without its samples");
     assert!(driven_m > 1.0 && lost_m < 0.05, "{driven_m} m, {lost_m} m");
+    for fault in ["imu:extreme,from=3s", "imu:stranger,from=3s"] {
+        let edited_m = drive(Some(fault));
+        println!("{edited_m:.3} m with {fault}");
+        assert!(edited_m > 0.05 && edited_m < 0.8 * driven_m, "{fault}: {edited_m} m");
+    }
 }
 
 /// The lines that an example prints as its vector; `None` where there is no Python.

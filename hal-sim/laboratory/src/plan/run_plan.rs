@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use floorguard_runtime::configuration::{RangingModel, RobotConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{ImuModel, RangingModel, RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
@@ -281,6 +281,17 @@ impl Plan {
             (self.robot.unseen, self.robot.limits, self.robot.fields) =
                 (robot.unseen, robot.limits, robot.fields);
         }
+        Ok(self)
+    }
+
+    /// With another inertial sensor in the place of the MTi, on its line.
+    ///
+    /// # Errors
+    /// The example robot cannot carry it.
+    pub fn with_imu(mut self, model: ImuModel) -> Result<Self, PlanError> {
+        let fitted = format!("[imu]\nmodel = \"{}\"\n", model.key());
+        self.robot_toml = self.robot_toml.replace("[imu]\n", &fitted);
+        self.robot.imu = parse("robot.toml", &self.robot_toml)?.robot.imu;
         Ok(self)
     }
 

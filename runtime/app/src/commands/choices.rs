@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use floorguard_configuration::{BRIDGED_EXAMPLE, bridged_keys, livox_keys, ouster_example, ouster_keys};
-use floorguard_runtime::configuration::{RangingModel, ScannerModel};
+use floorguard_runtime::configuration::{ImuModel, RangingModel, ScannerModel};
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 /// Which safety scanner the simulated robot carries.
@@ -77,6 +77,31 @@ impl FittedLidar {
             Self::Ouster => Some(ouster_keys(&ouster_example())),
             Self::Columns => Some(bridged_keys()),
             Self::LivoxMid360 => Some(livox_keys()),
+        }
+    }
+}
+
+/// Which inertial sensor the simulated robot carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FittedImu {
+    /// Xsens MTi.
+    #[default]
+    XsensMti,
+    /// VectorNav VN-100.
+    #[value(name = "vectornav")]
+    VectorNav,
+    /// Any sensor behind a bridge, on a line.
+    Bridged,
+}
+
+impl FittedImu {
+    /// The sensor in the robot's file.
+    #[must_use]
+    pub const fn model(self) -> ImuModel {
+        match self {
+            Self::XsensMti => ImuModel::XsensMti,
+            Self::VectorNav => ImuModel::VectorNav,
+            Self::Bridged => ImuModel::Bridged,
         }
     }
 }

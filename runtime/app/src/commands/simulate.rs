@@ -9,7 +9,7 @@ use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 
-use super::choices::{FittedLidar, FittedScanner};
+use super::choices::{FittedImu, FittedLidar, FittedScanner};
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::fleet::fleet_broker;
 use super::live::status_of;
@@ -78,9 +78,12 @@ pub struct SimulateArguments {
     /// The robot's safety scanner.
     #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
     pub scanner: FittedScanner,
+    /// The robot's inertial sensor.
+    #[arg(long, value_enum, default_value_t = FittedImu::XsensMti)]
+    pub imu: FittedImu,
     /// Simulate the robot of this robot.toml: body, base, sensors and mountings, speeds, deadlines, thresholds, fields and
     /// [learning]; the scenario says what to drive and to clean. Sensors that are mounted at an angle are not played.
-    #[arg(long, value_name = "robot.toml", conflicts_with_all = ["tape", "scanner"])]
+    #[arg(long, value_name = "robot.toml", conflicts_with_all = ["tape", "scanner", "imu"])]
     pub robot: Option<PathBuf>,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
@@ -205,6 +208,9 @@ fn repeat(arguments: &SimulateArguments) -> String {
     {
         option("scanner", value.get_name());
     }
+    if let Some(value) = arguments.imu.to_possible_value().filter(|_| arguments.imu != FittedImu::XsensMti) {
+        option("imu", value.get_name());
+    }
     arguments.places.repeat(&mut option);
     if let Some(robot) = &arguments.robot {
         option("robot", &robot.display().to_string());
@@ -245,6 +251,9 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan = plan.with_lidar(&keys)?;
     }
     plan = plan.with_scanner(arguments.scanner.model())?;
+    if arguments.imu != FittedImu::XsensMti {
+        plan = plan.with_imu(arguments.imu.model())?;
+    }
     plan.command.clone_from(&arguments.command);
     if arguments.fleet.is_some() || arguments.ros2_goals {
         plan = plan.ordered()?;
@@ -281,6 +290,7 @@ fn refuse_on_tape(arguments: &SimulateArguments) -> Result<(), WrongUsage> {
     let beyond_the_board = [
         (arguments.strategy.is_some(), "drives the route and cannot hold a mission; leave --strategy out"),
         (arguments.scanner != FittedScanner::S300, "can hold the beams of an S300 only; leave --scanner out"),
+        (arguments.imu != FittedImu::XsensMti, "reads an Xsens MTi only; leave --imu out"),
         (arguments.lidar != FittedLidar::Vlp16, "decodes Velodyne lidars only; leave --lidar out"),
     ];
     match beyond_the_board.into_iter().find(|(is_asked, _)| *is_asked && arguments.tape.is_some()) {

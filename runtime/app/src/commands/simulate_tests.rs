@@ -13,7 +13,7 @@ struct Line {
 fn run_repeat_command_is_complete() {
     for more in [
         "",
-        " --strategy systematic --lidar pandar-xt16 --scanner microscan3 --camera",
+        " --strategy systematic --lidar pandar-xt16 --scanner microscan3 --imu bridged --camera",
         " --strategy guarantee --robot mine.toml --until-clean",
         " --fault lidar:drop=5% --fault scanner:silent,from=2s --emergency-stop 2..3",
         " --real-io",
