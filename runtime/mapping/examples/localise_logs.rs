@@ -51,6 +51,7 @@ fn carmen(text: &str) -> Vec<ScanRecord> {
             first_angle_rad: -std::f32::consts::FRAC_PI_2,
             step_rad: std::f32::consts::PI / beams as f32,
             ranges_m: words[2..2 + beams].iter().map(|word| word.parse().unwrap()).collect(),
+            ..ScanRecord::default()
         }
     };
     text.lines().filter(|line| line.starts_with("FLASER")).map(scan).collect()
@@ -66,6 +67,7 @@ fn rebuilt(text: &str) -> Vec<ScanRecord> {
             first_angle_rad: numbers[5] as f32,
             step_rad: numbers[6] as f32,
             ranges_m: numbers[7..].iter().map(|range| *range as f32).collect(),
+            ..ScanRecord::default()
         }
     };
     text.lines().map(scan).collect()

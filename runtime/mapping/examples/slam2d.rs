@@ -33,6 +33,7 @@ fn carmen(text: &str) -> Vec<ScanRecord> {
             first_angle_rad: -std::f32::consts::FRAC_PI_2,
             step_rad: std::f32::consts::PI / beams as f32,
             ranges_m: words[2..2 + beams].iter().map(|w| w.parse().unwrap()).collect(),
+            ..ScanRecord::default()
         });
     }
     records
@@ -48,6 +49,7 @@ fn rebuilt(text: &str) -> Vec<ScanRecord> {
                 first_angle_rad: n[5] as f32,
                 step_rad: n[6] as f32,
                 ranges_m: n[7..].iter().map(|r| *r as f32).collect(),
+                ..ScanRecord::default()
             }
         })
         .collect()

@@ -46,6 +46,9 @@ pub struct Cloud<'a> {
     pub data: &'a [u8],
 }
 
+/// No scanner turns slower, seconds.
+const TURN_MAX_S: f32 = 1.0;
+
 /// `sensor_msgs/msg/LaserScan`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LaserScan {
@@ -55,6 +58,8 @@ pub struct LaserScan {
     pub first_angle_rad: f32,
     /// From beam to beam, radians; negative for a scanner on its head.
     pub step_rad: f32,
+    /// From beam to beam, seconds; 0 where the driver does not say.
+    pub between_s: f32,
     /// Shorter ranges are none, metres.
     pub range_min_m: f32,
     /// Longer ranges are none, metres.
@@ -105,6 +110,16 @@ pub struct Status {
     pub message: String,
     /// Named values.
     pub values: Vec<(String, String)>,
+}
+
+impl LaserScan {
+    /// When the middle beam was measured: stamps are of the first one.
+    #[must_use]
+    pub fn middle(&self) -> Stamp {
+        let half_s = 0.5 * self.between_s * self.ranges_m.len().saturating_sub(1) as f32;
+        // Saturates, and a scan that is no scan has no middle.
+        self.header.stamp.plus_micros((1.0e6 * half_s.clamp(0.0, TURN_MAX_S)) as u64)
+    }
 }
 
 impl Status {
@@ -189,10 +204,10 @@ pub fn laser_scan(message: &[u8]) -> Option<LaserScan> {
     let mut decoder = Decoder::new(message)?;
     let header = header(&mut decoder)?;
     let (first_angle_rad, _last, step_rad) = (decoder.f32()?, decoder.f32()?, decoder.f32()?);
-    let _times = (decoder.f32()?, decoder.f32()?);
+    let (between_s, _turn_s) = (decoder.f32()?, decoder.f32()?);
     let (range_min_m, range_max_m) = (decoder.f32()?, decoder.f32()?);
     let ranges_m = decoder.singles()?;
-    Some(LaserScan { header, first_angle_rad, step_rad, range_min_m, range_max_m, ranges_m })
+    Some(LaserScan { header, first_angle_rad, step_rad, between_s, range_min_m, range_max_m, ranges_m })
 }
 
 /// Pose and speed.

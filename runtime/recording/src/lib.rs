@@ -26,6 +26,7 @@ mod records;
 pub mod replay;
 mod run;
 mod scan_map;
+mod scan_turns;
 mod schemas;
 mod times;
 pub mod topics;

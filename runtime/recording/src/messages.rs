@@ -101,9 +101,6 @@ const POINT_BYTES: u32 = 22;
 /// How messages are written, by MCAP's name for it.
 pub const ENCODING: &str = "cdr";
 
-/// A turn of the safety scanner's mirror, seconds; the S300 and the microScan3 alike.
-const SCAN_S: f32 = 0.04;
-
 /// `std_msgs/msg/UInt8MultiArray`: bytes, without dimensions.
 pub fn octets(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = Encoder::new();
@@ -174,15 +171,16 @@ pub fn point_cloud(stamp: Stamp, frame: &str, points: &[PointRow]) -> Vec<u8> {
     encoder.finish()
 }
 
-/// `sensor_msgs/msg/LaserScan`. A beam that is free to the device's range is +∞, an unknown one NaN (REP 117).
-pub fn laser_scan(scan: &Scan, frame: &str) -> Vec<u8> {
+/// `sensor_msgs/msg/LaserScan`, with the stamp of its first beam. A beam that is free to the device's range is +∞, an unknown one NaN
+/// (REP 117).
+pub fn laser_scan(scan: &Scan, turn_s: f32, frame: &str) -> Vec<u8> {
     let mut encoder = Encoder::new();
-    header(&mut encoder, scan.stamp, frame);
     let last = scan.beams.len().saturating_sub(1) as f32;
-    encoder.f32(scan.first_angle_rad).f32(scan.first_angle_rad + last * scan.step_rad).f32(scan.step_rad);
     // The mirror turns once a scan, evenly: a beam comes a step of the circle after the one before.
-    let beam_s = SCAN_S * scan.step_rad / (2.0 * std::f32::consts::PI);
-    encoder.f32(beam_s).f32(SCAN_S).f32(0.0).f32(65.0).length(scan.beams.len());
+    let beam_s = turn_s * scan.step_rad / (2.0 * std::f32::consts::PI);
+    header(&mut encoder, scan.stamp.minus_micros((0.5e6 * last * beam_s) as u64), frame);
+    encoder.f32(scan.first_angle_rad).f32(scan.first_angle_rad + last * scan.step_rad).f32(scan.step_rad);
+    encoder.f32(beam_s).f32(turn_s).f32(0.0).f32(65.0).length(scan.beams.len());
     for beam in &scan.beams {
         encoder.f32(match beam {
             BeamReturn::Hit(range_mm) => f32::from(*range_mm) / 1_000.0,

@@ -15,6 +15,7 @@ use mcap::write::NoSeek;
 use super::listener::{LiveMessage, MessageListener};
 use super::messages;
 use super::raw::RawStream;
+use super::scan_turns::ScanTurns;
 use super::schemas::{self, Schema};
 use super::times::Times;
 
@@ -41,6 +42,8 @@ impl From<mcap::McapError> for RecordError {
 pub struct Recorder<W: Write + Seek> {
     file: Option<ChannelFile<W>>,
     listeners: Vec<Box<dyn MessageListener>>,
+    /// Of the safety scanner.
+    pub(crate) turns: ScanTurns,
 }
 
 /// The file of a recording.
@@ -110,13 +113,13 @@ impl<W: Write + Seek> Recorder<W> {
             .compression(compression.of_library()?);
         let writer = options.create(NoSeek::new(sink))?;
         let file = ChannelFile { writer, chunk_began: None, channels: BTreeMap::new() };
-        Ok(Self { file: Some(file), listeners: Vec::new() })
+        Ok(Self { file: Some(file), listeners: Vec::new(), turns: ScanTurns::default() })
     }
 
     /// No file: what is written reaches listeners only.
     #[must_use]
-    pub const fn without_file() -> Self {
-        Self { file: None, listeners: Vec::new() }
+    pub fn without_file() -> Self {
+        Self { file: None, listeners: Vec::new(), turns: ScanTurns::default() }
     }
 
     /// Every message from now on reaches this listener, too.

@@ -91,7 +91,8 @@ impl<W: Write + Seek> Recorder<W> {
     /// When the file cannot be written.
     pub fn scan(&mut self, logged: Stamp, scan: &Scan) -> Result<(), RecordError> {
         let times = Times { logged, published: scan.stamp };
-        self.message(SCAN, &schemas::LASER_SCAN, times, &messages::laser_scan(scan, "scanner"))
+        let turn_s = self.turns.turn_s(scan);
+        self.message(SCAN, &schemas::LASER_SCAN, times, &messages::laser_scan(scan, turn_s, "scanner"))
     }
 
     /// A sample of the inertial unit.

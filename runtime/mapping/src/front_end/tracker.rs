@@ -95,6 +95,11 @@ impl Tracker {
             speed: Se2::default(),
         });
         let passed_s = (record.time_s - last.time_s).clamp(1.0e-3, 1.0);
+        let points = if record.between_s == 0.0 {
+            points
+        } else {
+            record.points_in_motion(self.config.range_least_m, self.config.range_most_m, last.speed)
+        };
         let moved = last.speed.scaled(passed_s);
         let expected = last.pose.compose(moved);
         let window = [(0.1 + 0.7 * passed_s).min(0.6), (0.05 + 0.7 * passed_s).min(0.5)];

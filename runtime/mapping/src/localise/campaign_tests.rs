@@ -278,6 +278,7 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
             first_angle_rad: beam_rad(0) as f32,
             step_rad: 0.5_f32.to_radians(),
             ranges_m: ranges.collect(),
+            ..ScanRecord::default()
         };
         if ended.found_s.is_some_and(|found_s| record.time_s > found_s + WATCHED_S) {
             break;

@@ -43,6 +43,7 @@ fn moments(world: &World, path: &[Se2], (from_s, from): (f64, Se2), random: &mut
             first_angle_rad: beam_rad(0) as f32,
             step_rad: 1.0_f32.to_radians(),
             ranges_m: ranges.collect(),
+            ..ScanRecord::default()
         };
         all.push(Moment { truth: *pose, is_in_map: true, record });
     }

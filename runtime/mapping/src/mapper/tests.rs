@@ -52,6 +52,7 @@ fn records(world: &World, path: &[Se2], range_m: f64, seed: u64) -> Vec<ScanReco
             first_angle_rad: beam_rad(0) as f32,
             step_rad: 1.0_f32.to_radians(),
             ranges_m: ranges.collect(),
+            ..ScanRecord::default()
         });
     }
     records

@@ -106,6 +106,7 @@ impl Survey {
             first_angle_rad: taken.scan.first_angle_rad,
             step_rad: taken.scan.step_rad,
             ranges_m: ranges.collect(),
+            ..ScanRecord::default()
         };
         // A graph that cannot be solved: from then on the robot goes by its wheels, and the map ends here.
         self.failed = self.mapper.push(&record).is_err();

@@ -47,6 +47,9 @@ pub struct BagScans {
     pub is_inverted: bool,
 }
 
+/// No scanner turns slower, seconds: a longer time of a scan is none.
+const SCAN_MAX_S: f32 = 0.5;
+
 fn open(path: &Path) -> Result<Recording<BufReader<Box<dyn Read + Send>>>, BadInput> {
     let bad = |error: std::io::Error| BadInput(format!("{}: {error}", path.display()));
     Ok(Recording::new(BufReader::new(File::open(path).and_then(unpacked).map_err(bad)?)))
@@ -171,12 +174,15 @@ impl BagScans {
         if !angles.iter().all(|angle| angle.is_finite()) || scan.step_rad.abs() < 1.0e-5 {
             return None;
         }
-        let time_s = seconds(scan.header.stamp.as_micros());
+        let time_s = seconds(scan.middle().as_micros());
         let believed =
             |range: f32| range.is_finite() && range > scan.range_min_m.max(0.0) && range < scan.range_max_m;
         let mut ranges_m: Vec<f32> =
             scan.ranges_m.iter().map(|range| if believed(*range) { *range } else { f32::INFINITY }).collect();
         let (mut first_angle_rad, mut step_rad) = (scan.first_angle_rad, scan.step_rad);
+        // Some drivers write a rate, a time for the whole scan, or nothing.
+        let is_known = (0.0..SCAN_MAX_S).contains(&(scan.between_s * ranges_m.len() as f32));
+        let mut between_s = if is_known { scan.between_s } else { 0.0 };
         if self.is_inverted {
             (first_angle_rad, step_rad) = (-first_angle_rad, -step_rad);
         }
@@ -185,8 +191,10 @@ impl BagScans {
             first_angle_rad += step_rad * ranges_m.len().saturating_sub(1) as f32;
             step_rad = -step_rad;
             ranges_m.reverse();
+            between_s = -between_s;
         }
         let odometry = self.odometry.at(time_s).map(|robot| robot.compose(self.scanner_in_robot));
-        Some(ScanRecord { time_s, odometry, first_angle_rad, step_rad, ranges_m })
+        let motion = self.odometry.motion_at(time_s, self.scanner_in_robot).unwrap_or_default();
+        Some(ScanRecord { time_s, odometry, first_angle_rad, step_rad, ranges_m, between_s, motion })
     }
 }

@@ -36,5 +36,6 @@ fn record(mut scan: LaserLine) -> ScanRecord {
         first_angle_rad: scan.first_angle_rad,
         step_rad: scan.step_rad,
         ranges_m: scan.ranges_m,
+        ..ScanRecord::default()
     }
 }

@@ -115,6 +115,7 @@ mod tests {
             first_angle_rad: 0.0,
             step_rad: 0.1,
             ranges_m: vec![range_m, 2.0],
+            ..ScanRecord::default()
         }
     }
 

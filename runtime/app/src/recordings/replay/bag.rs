@@ -220,10 +220,11 @@ impl Player<'_> {
             return Ok(None);
         }
         let mounting = self.mountings.mounting(&laser.header.frame).unwrap_or(Transform3::IDENTITY);
-        let pose = self.pose(laser.header.stamp);
+        let stamp = laser.middle();
+        let pose = self.pose(stamp);
         let angles = (laser.first_angle_rad, laser.step_rad);
         let limits_m = [laser.range_min_m, laser.range_max_m];
-        let scan = to_scan(laser.header.stamp, angles, &laser.ranges_m, limits_m);
+        let scan = to_scan(stamp, angles, &laser.ranges_m, limits_m);
         let mounting = flat(&mounting);
         let sensor = pose.unwrap_or_default().compose(mounting);
         let mut row = self.stages.scan(&message.topic, &scan, (mounting, pose));

@@ -84,5 +84,6 @@ fn record(scan: &Scan, time_s: f64) -> ScanRecord {
         first_angle_rad: scan.first_angle_rad,
         step_rad: scan.step_rad,
         ranges_m: scan.beams.iter().map(range_m).collect(),
+        ..ScanRecord::default()
     }
 }
