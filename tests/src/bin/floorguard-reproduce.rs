@@ -46,6 +46,7 @@ fn main() -> ExitCode {
         "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),
         "sliding-window" => floorguard_tests::reproduce::sliding_window::sliding_window(trials, folder),
         "slam" => floorguard_tests::slam::slam(folder),
+        "slam-truth" => floorguard_tests::slam::slam_beside_truth(folder),
         "pedestrians" => floorguard_tests::pedestrians::pedestrians(trials, folder),
         "people-removal" => floorguard_tests::removal::people_removal(trials, folder),
         "revisits" => floorguard_tests::removal::people_revisits(trials, folder),

@@ -45,6 +45,8 @@ enum Experiment {
     SlidingWindow,
     /// Five published laser logs mapped: relation errors beside those of other programs.
     Slam,
+    /// Drives of the simulated robot among people, mapped, beside their true poses.
+    SlamTruth,
     /// Drives through recorded pedestrians: ours beside the dynamic window and beside standing until the path is free; a trial is a start.
     Pedestrians,
     /// People out of three-dimensional maps: our remover beside others; a trial is a random building.
@@ -73,6 +75,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Dirt => ("dirt", 4),
         Experiment::SlidingWindow => ("sliding-window", 20),
         Experiment::Slam => ("slam", 1),
+        Experiment::SlamTruth => ("slam-truth", 1),
         Experiment::Pedestrians => ("pedestrians", 20),
         Experiment::PeopleRemoval => ("people-removal", 10),
         Experiment::Revisits => ("revisits", 10),
