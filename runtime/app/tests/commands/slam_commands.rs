@@ -349,3 +349,22 @@ fn recording_in_space_brings_wheels_and_gyroscope() {
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     assert!(words(&output).contains("/scanner/scan"), "{output:?}");
 }
+
+/// A recording holds every fifth sweep as a cloud and the datagrams of all: all are mapped, and the lidar alone drives as far as the
+/// robot did.
+#[test]
+fn own_recording_is_mapped_sweep_by_sweep() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, out) = (folder.path().join("drive.mcap"), folder.path().join("map"));
+    let simulate =
+        ["simulate", "--scenario", "warehouse", "--seed", "2", "--duration", "8", "--json", "--record"];
+    let output = floorguard(&[&simulate, &[text(&recording)][..]].concat());
+    let verdict: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    let output = floorguard(&["map3d", text(&recording), "--out", text(&out), "--lidar-alone", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert!(summary["sweeps"].as_u64().is_some_and(|sweeps| (76..=80).contains(&sweeps)), "{summary}");
+    let [driven_m, mapped_m] =
+        [&verdict["distance_m"], &summary["path_m"]].map(|m| m.as_f64().expect("metres"));
+    assert!(driven_m > 2.0 && (driven_m - mapped_m).abs() < 0.2, "{driven_m} m driven, {mapped_m} m mapped");
+}

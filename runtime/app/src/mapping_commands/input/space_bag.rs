@@ -9,7 +9,7 @@ use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet};
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;
 use floorguard_mapping_host::Se2;
-use floorguard_recording::{RawStream, ReadError, Recorded, Recording, decode};
+use floorguard_recording::{RawStream, ReadError, Recorded, Recording, decode, octets_of};
 use nalgebra::Vector3;
 
 use super::aids::{AidsFound, GyroscopeSample};
@@ -96,8 +96,9 @@ impl SpaceSurvey {
 
     /// The delay of the network is least for the datagram that hurried most.
     fn datagram(&mut self, message: &Recorded) -> Option<()> {
-        self.decoder.as_mut()?.decode(&message.data, message.published).ok()?;
-        let packet = Packet::new_checked(&message.data).ok()?;
+        let datagram = octets_of(&message.data)?;
+        self.decoder.as_mut()?.decode(datagram, message.published).ok()?;
+        let packet = Packet::new_checked(datagram).ok()?;
         let stamp_us = packet.stamp_us();
         if self.last_stamp_us.replace(stamp_us).is_some_and(|last| last > stamp_us) {
             self.hours_us += HOUR_US;
@@ -207,7 +208,9 @@ pub fn read_space_bag(
         match source {
             SweepSource::Datagrams { model, offset_us } if is_raw(&message) => {
                 let cutter = cutter.get_or_insert_with(|| Cutter::new(*model, *offset_us));
-                cutter.datagram((&message.data, message.published), read, take)?;
+                // What is damaged is refused there.
+                let datagram = octets_of(&message.data).unwrap_or_default();
+                cutter.datagram((datagram, message.published), read, take)?;
             }
             SweepSource::Clouds { topic } if **topic == *message.topic => {
                 read.packets += 1;
