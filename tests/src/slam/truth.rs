@@ -31,9 +31,18 @@ const LOST: [&str; 6] = ["--fault", "scanner:drop=1%", "--fault", "imu:drop=1%",
 const PLACE_MAX_M: f64 = 0.015;
 const HEADING_MAX_RAD: f64 = 0.1 / 180.0 * std::f64::consts::PI;
 const LOSS_MAX_M: f64 = 0.01;
+const WALL_MAX_M: f64 = 0.03;
 /// How old a scan is when it comes is known to some milliseconds only (20 to 45 ms within the scanner): ages that are tried.
 const AGES_S: std::ops::RangeInclusive<i32> = -12..=12;
 const AGE_STEP_S: f64 = 0.002;
+/// The lidar on the robot, and the limits of its maps in space: drift of the lidar alone as a share of the way, and place with loops
+/// closed.
+const LIDAR_IN_ROBOT: [f64; 3] = [0.5, 0.0, 0.0];
+const DRIFT_MAX: f64 = 0.002;
+const CLOSED_MAX_M: f64 = 0.02;
+/// Ways of mapping in space.
+const ALONE: [&str; 2] = ["--lidar-alone", "--without-loops"];
+const CLOSED: [&str; 1] = ["--lidar-alone"];
 /// Cells of the map whose walls are measured, metres.
 const FINE_CELL: &str = "0.01";
 
@@ -52,44 +61,98 @@ struct Errors {
     heading_rad: f64,
 }
 
-/// Drives, maps, and prints the table. True if no drive is beyond a limit.
+/// The maps of a drive.
+struct Measured {
+    whole: Driven,
+    lossy: Driven,
+    walls_m: f64,
+    /// In space: errors and drift of the lidar alone, then with loops closed, with wheels and gyroscope, and alone with losses.
+    alone: (ErrorStatistics, f64),
+    closed: ErrorStatistics,
+    aided: ErrorStatistics,
+    lossy_alone: ErrorStatistics,
+}
+
+/// Drives, maps, and prints the tables. True if no drive is beyond a limit.
 ///
 /// # Errors
 /// A file that cannot be read or written, or a drive that cannot be mapped.
 pub fn slam_beside_truth(folder: &Path) -> anyhow::Result<(String, bool)> {
     std::fs::create_dir_all(folder)?;
-    let mut table = String::from(
+    let mut flat = String::from(
         "| drive | path, m | place, cm | largest, cm | heading, ° | scans older by, ms | then place, cm | heading, ° | with losses, cm | walls, cm |\n\
          |---|---|---|---|---|---|---|---|---|---|\n",
     );
+    let mut in_space = String::from(
+        "| drive, lidar in space | alone, cm | drift at the end, cm | alone with losses, cm | with loops closed, cm | with wheels and gyroscope, cm |\n\
+         |---|---|---|---|---|---|\n",
+    );
     let mut holds = true;
     for (scenario, seed) in DRIVES {
-        let whole = drive(folder, (scenario, seed), &[])?;
-        let widths_m = wall_widths_m(&mapped(folder, scenario, "-fine", &["--cell-m", FINE_CELL])?)?;
-        let lossy = drive(folder, (scenario, seed), &LOST)?;
-        let (age_s, best) = whole.aged;
-        let wall_m = widths_m.iter().sum::<f64>() / widths_m.len().max(1) as f64;
-        holds &= best.place.rmse <= PLACE_MAX_M
+        let measured = measure(folder, (scenario, seed))?;
+        holds &= measured.holds();
+        measured.rows(scenario, (&mut flat, &mut in_space));
+    }
+    let tables = [flat, in_space].join("\n");
+    println!("{tables}");
+    std::fs::write(folder.join("slam-truth.md"), &tables)?;
+    Ok((tables, holds))
+}
+
+fn measure(folder: &Path, (scenario, seed): (&str, u64)) -> anyhow::Result<Measured> {
+    let whole = drive(folder, (scenario, seed), &[])?;
+    let widths_m = wall_widths_m(&mapped(folder, scenario, "-fine", &["--cell-m", FINE_CELL])?)?;
+    let alone = space_errors(folder, scenario, &ALONE)?;
+    let (closed, _) = space_errors(folder, scenario, &CLOSED)?;
+    let (aided, _) = space_errors(folder, scenario, &[])?;
+    let lossy = drive(folder, (scenario, seed), &LOST)?;
+    let (lossy_alone, _) = space_errors(folder, scenario, &ALONE)?;
+    let walls_m = widths_m.iter().sum::<f64>() / widths_m.len().max(1) as f64;
+    Ok(Measured { whole, lossy, walls_m, alone, closed, aided, lossy_alone })
+}
+
+impl Measured {
+    fn holds(&self) -> bool {
+        let (_, best) = self.whole.aged;
+        let lost_m = self.lossy.aged.1.place.rmse - best.place.rmse;
+        let (alone, drift_m) = self.alone;
+        best.place.rmse <= PLACE_MAX_M
             && best.heading_rad <= HEADING_MAX_RAD
-            && lossy.aged.1.place.rmse - best.place.rmse <= LOSS_MAX_M;
+            && lost_m <= LOSS_MAX_M
+            && self.walls_m <= WALL_MAX_M
+            && drift_m <= DRIFT_MAX * self.whole.path_m
+            && self.closed.rmse <= CLOSED_MAX_M
+            && self.lossy_alone.rmse - alone.rmse <= LOSS_MAX_M
+    }
+
+    fn rows(&self, scenario: &str, (flat, in_space): (&mut String, &mut String)) {
+        let (stamped, (age_s, best)) = (self.whole.stamped, self.whole.aged);
+        let cm = |metres: f64| 100.0 * metres;
         // Writing to a string cannot fail.
         let _ = writeln!(
-            table,
+            flat,
             "| {scenario} | {:.0} | {:.2} | {:.1} | {:.3} | {:.0} | {:.2} | {:.3} | {:.2} | {:.1} |",
-            whole.path_m,
-            100.0 * whole.stamped.place.rmse,
-            100.0 * whole.stamped.place.most,
-            whole.stamped.heading_rad.to_degrees(),
+            self.whole.path_m,
+            cm(stamped.place.rmse),
+            cm(stamped.place.most),
+            stamped.heading_rad.to_degrees(),
             1.0e3 * age_s,
-            100.0 * best.place.rmse,
+            cm(best.place.rmse),
             best.heading_rad.to_degrees(),
-            100.0 * lossy.aged.1.place.rmse,
-            100.0 * wall_m
+            cm(self.lossy.aged.1.place.rmse),
+            cm(self.walls_m)
+        );
+        let (alone, drift_m) = self.alone;
+        let _ = writeln!(
+            in_space,
+            "| {scenario} | {:.2} | {:.1} | {:.2} | {:.2} | {:.2} |",
+            cm(alone.rmse),
+            cm(drift_m),
+            cm(self.lossy_alone.rmse),
+            cm(self.closed.rmse),
+            cm(self.aided.rmse)
         );
     }
-    println!("{table}");
-    std::fs::write(folder.join("slam-truth.md"), &table)?;
-    Ok((table, holds))
 }
 
 /// Runs the program's own command; a verdict that is not good is no error here.
@@ -128,6 +191,23 @@ fn drive(folder: &Path, (scenario, seed): (&str, u64), faults: &[&str]) -> anyho
     let ages = AGES_S.map(|step| f64::from(step) * AGE_STEP_S).map(|age_s| (age_s, of_age(age_s)));
     let aged = ages.min_by(|a, b| a.1.place.rmse.total_cmp(&b.1.place.rmse)).context("no age")?;
     Ok(Driven { path_m, stamped, aged })
+}
+
+/// Errors of the lidar's trajectory in space, and how far off its last pose is when the first ones lie on the truth, metres.
+fn space_errors(folder: &Path, scenario: &str, how: &[&str]) -> anyhow::Result<(ErrorStatistics, f64)> {
+    let (file, out) = (folder.join(format!("{scenario}.mcap")), folder.join(format!("{scenario}-space")));
+    command(&[&["map3d", utf8(&file)?, "--out", utf8(&out)?], how].concat())?;
+    let result = read_tum(&text(&out.join("trajectory.tum"))?)?;
+    let [x_m, y_m, heading_rad] = LIDAR_IN_ROBOT;
+    let lidar = Se2::new(x_m, y_m, heading_rad);
+    let truth: Vec<(f64, Se2)> =
+        true_poses(&file)?.into_iter().map(|(time_s, robot)| (time_s, robot.compose(lidar))).collect();
+    let pairs = pairs(&truth, &result, 0.0);
+    ensure!(pairs.len() * 100 > result.len() * 99, "poses without a true one");
+    let (first, last) = pairs.first().zip(pairs.last()).context("no pose")?;
+    let motion = |of: fn(&PosePair) -> Se2| of(first).between(of(last));
+    let (true_motion, own_motion) = (motion(|pair| pair.truth.flat()), motion(|pair| pair.result.flat()));
+    Ok((ErrorStatistics::of(&absolute_errors(&pairs)), true_motion.distance(own_motion)))
 }
 
 /// The robot as the simulator had it, over time.
