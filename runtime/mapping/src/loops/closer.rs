@@ -24,6 +24,8 @@ pub struct LoopStatistics {
     pub searched: usize,
     /// No place with enough score.
     pub unlike: usize,
+    /// The place lies near the rim of its window: what resembles it more may lie outside.
+    pub at_rim: usize,
     /// A second place fits nearly as well.
     pub ambiguous: usize,
     /// One saw through what the other saw, or they share too little.
@@ -247,6 +249,12 @@ impl LoopCloser {
             self.statistics.unlike += 1;
             return None;
         };
+        let aside_m = Se2::from(found.pose).distance(Se2::from(window.centre));
+        if aside_m > config.inner_share * self.window_m(path_m) {
+            // What resembles it more may lie outside.
+            self.statistics.at_rim += 1;
+            return None;
+        }
         let guess = Guess { start: found.pose, expected: found.pose, information: Matrix3::zeros() };
         let refined = refine(&levels[0], &query.points, &guess, &descent(&config));
         if refined.score < config.score_least * 0.8 {

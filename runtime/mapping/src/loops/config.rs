@@ -25,6 +25,8 @@ pub struct LoopConfig {
     pub drift_share: f64,
     /// Half the side of the window at most, metres.
     pub window_most_m: f64,
+    /// A place lies at most this share of half the side from the middle of the window.
+    pub inner_share: f64,
     /// Half the window of the heading, radians, and its growth a metre of path, and its most.
     pub turn_window_rad: [f64; 3],
     /// Score that a place needs, 0 to 1.
@@ -57,6 +59,7 @@ impl Default for LoopConfig {
             window_m: 0.5,
             drift_share: 0.04,
             window_most_m: 10.0,
+            inner_share: 0.75,
             turn_window_rad: [0.1, 0.005, 0.6],
             score_least: 0.6,
             searched_share: 0.8,

@@ -16,8 +16,10 @@ impl LoopCloser {
         to.count(self.links.len());
         self.links.iter().flatten().for_each(|stretch| to.count(*stretch));
         to.count(self.next_node);
-        let LoopStatistics { searched, unlike, ambiguous, contradicted, accepted } = self.statistics;
-        [searched, unlike, ambiguous, contradicted, accepted].into_iter().for_each(|value| to.count(value));
+        let LoopStatistics { searched, unlike, at_rim, ambiguous, contradicted, accepted } = self.statistics;
+        [searched, unlike, at_rim, ambiguous, contradicted, accepted]
+            .into_iter()
+            .for_each(|value| to.count(value));
     }
 
     pub(crate) fn read(from: &mut Reading<'_>, nodes: &[Node], config: LoopConfig) -> Option<Self> {
@@ -31,6 +33,7 @@ impl LoopCloser {
         closer.statistics = LoopStatistics {
             searched: from.count()?,
             unlike: from.count()?,
+            at_rim: from.count()?,
             ambiguous: from.count()?,
             contradicted: from.count()?,
             accepted: from.count()?,

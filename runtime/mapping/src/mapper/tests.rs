@@ -2,10 +2,12 @@
 //! localisation's campaign: nothing of the code under test makes the scans.
 
 use super::*;
-use crate::front_end::sequence_edges;
+use crate::front_end::{Node, sequence_edges};
 use crate::input::ScanRecord;
 use crate::localise::campaign::{Random, STEP_S, World, beam_rad, scan};
+use crate::loops::LoopCloser;
 use crate::pose_graph::UncertainPose;
+use crate::refine::ScanView;
 use crate::se2::{Se2, wrap};
 
 /// Turns on the spot and straight ways from corner to corner, 0.8 m/s and 0.9 rad/s.
@@ -102,6 +104,35 @@ fn two_equal_offices_do_not_fold_the_map() {
     // The smooth corridor between them leaves some of the wheels' 2 %; a folded map would be 24 m off. Measured: 0.35 m; an
     // alignment that trusts noisy walls shortens the corridor by 1.9 m.
     assert!(worst_m < 1.0, "{worst_m}");
+}
+
+/// A way back into an office whose place has drifted: found where the window shows what is around it, left alone at its rim.
+#[test]
+fn places_at_the_rim_are_left_alone() {
+    let path = route(&[[3.5, 7.7], [3.5, 4.0], [3.5, 7.7], [14.0, 7.7], [3.5, 7.7], [3.5, 4.0]]);
+    let mut mapper = Mapper::new(MapConfig::default());
+    for record in records(&two_offices(), &path, 10.0, 13) {
+        mapper.push(&record).unwrap();
+    }
+    let nodes = &mapper.tracker.nodes;
+    let views: Vec<ScanView> =
+        nodes.iter().map(|node| ScanView::new(&node.points, 1.0_f32.to_radians())).collect();
+    let searched = |drift_m: f64| {
+        let place = |node: &Node| {
+            let truth = path[(node.time_s / STEP_S).round() as usize];
+            let is_back = node.time_s > 0.6 * STEP_S * path.len() as f64;
+            Se2::new(truth.x_m + if is_back { drift_m } else { 0.0 }, truth.y_m, truth.heading_rad)
+        };
+        let poses: Vec<Se2> = nodes.iter().map(place).collect();
+        let mut closer = LoopCloser::new(MapConfig::default().loops);
+        let found = closer.search_all((nodes, &views), &poses, true);
+        println!("{drift_m} m: {} found, {:?}", found.len(), closer.statistics);
+        (found.len(), closer.statistics.at_rim)
+    };
+    let (found, _) = searched(0.4);
+    assert!(found > 0);
+    let (found, at_rim) = searched(1.3);
+    assert!(found == 0 && at_rim > 0, "{found} found, {at_rim} at the rim");
 }
 
 #[test]
