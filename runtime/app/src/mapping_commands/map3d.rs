@@ -22,6 +22,8 @@ use super::progress::Progress;
 const BLIND_SHARE_MAX: f64 = 0.02;
 /// More sweeps than this share with a direction that the prediction alone held, and the map is in doubt.
 const HELD_SHARE_MAX: f64 = 0.10;
+/// Farther off by one standard deviation, metres, and the map is in doubt, unless a place was recognised.
+const DEVIATION_MAX_M: f64 = 0.5;
 /// Cubes of the cloud with fewer returns are noise.
 const RETURNS_LEAST: u32 = 2;
 
@@ -44,6 +46,8 @@ struct Map3dSummary {
     sweeps_mapped: u64,
     duration_s: f64,
     path_m: f64,
+    /// How far the place may be off by those that are held, before loops: one standard deviation.
+    held_deviation_m: Option<f64>,
     /// Wheels and gyroscope of the recording were used.
     with_wheels: bool,
     with_gyroscope: bool,
@@ -153,6 +157,7 @@ fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSum
         sweeps_mapped: counters.mapped,
         duration_s: ends.map_or(0.0, |(first, last)| last.time_s - first.time_s),
         path_m: path.sum(),
+        held_deviation_m: map.held_deviation_m,
         with_wheels: false,
         with_gyroscope: false,
         loops_closed: map.loops.closed,
@@ -183,6 +188,12 @@ impl Map3dSummary {
         if share(self.sweeps_held) > HELD_SHARE_MAX {
             let what = "sweeps say nothing about one direction (a corridor, a hall, a glass front)";
             doubts.push(format!("{} of {} {what}", self.sweeps_held, self.sweeps));
+        }
+        let deviation_m = self.held_deviation_m.filter(|deviation_m| *deviation_m > DEVIATION_MAX_M);
+        if let Some(deviation_m) = deviation_m.filter(|_| self.loops_believed == 0) {
+            doubts.push(format!(
+                "the place may be off by {deviation_m:.1} m: sweeps that said nothing about one direction followed each other"
+            ));
         }
         if !doubts.is_empty() {
             self.verdict = "doubtful";

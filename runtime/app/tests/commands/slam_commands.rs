@@ -350,6 +350,25 @@ fn recording_in_space_brings_wheels_and_gyroscope() {
     assert!(words(&output).contains("/scanner/scan"), "{output:?}");
 }
 
+/// The walls of a corridor say nothing about the way along it, and people who walk there mislead: the lidar alone says so, and with the
+/// wheels it is not needed.
+#[test]
+fn lidar_alone_doubts_a_smooth_corridor() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, out) = (folder.path().join("drive.mcap"), folder.path().join("map"));
+    let simulate = ["simulate", "--scenario", "corridor", "--seed", "3", "--duration", "35", "--record"];
+    assert!(floorguard(&[&simulate, &[text(&recording)][..]].concat()).status.success());
+    let verdict = |more: &[&str]| {
+        let output =
+            floorguard(&[&["map3d", text(&recording), "--out", text(&out), "--json"], more].concat());
+        let summary: Value = serde_json::from_slice(&output.stdout).expect("one object");
+        println!("{summary}");
+        (output.status.code(), summary["verdict"].as_str().map(str::to_owned))
+    };
+    assert_eq!(verdict(&["--lidar-alone"]), (Some(1), Some("doubtful".to_owned())));
+    assert_eq!(verdict(&[]), (Some(0), Some("good".to_owned())));
+}
+
 /// A recording holds every fifth sweep as a cloud and the datagrams of all: all are mapped, and the lidar alone drives as far as the
 /// robot did.
 #[test]

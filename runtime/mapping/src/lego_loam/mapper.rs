@@ -89,6 +89,7 @@ impl SpaceMapper for LegoMapper {
             trajectory: self.trajectory.clone(),
             cloud: self.cloud.clone(),
             counters: self.counters,
+            held_deviation_m: None,
             cubes: [0; 2],
             loops: SpaceCloserCounters::default(),
             loops_believed: 0,

@@ -54,6 +54,8 @@ pub struct Mapper3 {
     key_poses: Vec<Pose3>,
     /// What became of the sweeps.
     pub counters: Mapper3Counters,
+    /// Variance along the worst direction, and how much of it came with sweeps that said nothing about one direction, square metres.
+    variance_m2: [f64; 2],
     first_s: Option<f64>,
     last_s: Option<f64>,
     /// The first sweep waits for its motion.
@@ -78,6 +80,7 @@ impl Mapper3 {
             drift_m2: 0.0,
             key_poses: Vec::new(),
             counters: Mapper3Counters::default(),
+            variance_m2: [0.0; 2],
             first_s: None,
             last_s: None,
             waiting: None,
@@ -117,7 +120,12 @@ impl Mapper3 {
         self.odometry_poses.push((sweep.end_s, pose));
         self.counters.sweeps += 1;
         self.counters.blind += u64::from(outcome.is_blind);
-        self.counters.held += u64::from(outcome.weak.is_held_by_prediction && self.counters.sweeps > 2);
+        let is_held = outcome.weak.is_held_by_prediction && self.counters.sweeps > 2;
+        self.counters.held += u64::from(is_held);
+        let variance_m2 = outcome.weak.deviation_m * outcome.weak.deviation_m;
+        let [before_m2, held_m2] = self.variance_m2;
+        let gained_m2 = if is_held { (variance_m2 - before_m2).max(0.0) } else { 0.0 };
+        self.variance_m2 = [variance_m2, held_m2 + gained_m2];
         self.counters.mapped += u64::from(outcome.is_mapped);
         if self.counters.sweeps == 1 {
             self.waiting = Some(sweep);
@@ -243,6 +251,7 @@ impl SpaceMapper for Mapper3 {
             trajectory: self.trajectory(),
             cloud: self.cloud(),
             counters: self.counters,
+            held_deviation_m: Some(self.variance_m2[1].sqrt()),
             cubes: self.cubes(),
             loops: self.closer.as_ref().map(SpaceCloser::counters).unwrap_or_default(),
             loops_believed: self.closer.as_ref().map_or(0, SpaceCloser::believed),
