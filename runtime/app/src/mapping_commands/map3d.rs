@@ -192,7 +192,7 @@ impl Map3dSummary {
         let deviation_m = self.held_deviation_m.filter(|deviation_m| *deviation_m > DEVIATION_MAX_M);
         if let Some(deviation_m) = deviation_m.filter(|_| self.loops_believed == 0) {
             doubts.push(format!(
-                "the place may be off by {deviation_m:.1} m: sweeps that said nothing about one direction followed each other"
+                "the place may be off by {deviation_m:.1} m: sweeps without information about one direction followed each other"
             ));
         }
         if !doubts.is_empty() {

@@ -54,7 +54,7 @@ pub struct Mapper3 {
     key_poses: Vec<Pose3>,
     /// What became of the sweeps.
     pub counters: Mapper3Counters,
-    /// Variance along the worst direction, and how much of it came with sweeps that said nothing about one direction, square metres.
+    /// Variance along the worst direction, and how much of it came with sweeps without information about one direction, square metres.
     variance_m2: [f64; 2],
     first_s: Option<f64>,
     last_s: Option<f64>,

@@ -34,7 +34,7 @@ pub struct SpaceMap {
     pub counters: Mapper3Counters,
     /// Cubes of the map of planes, and how many it gave up.
     pub cubes: [u32; 2],
-    /// How far the place may be off by sweeps that said nothing about one direction, before loops: one standard deviation, metres. `None`
+    /// How far the place may be off by sweeps without information about one direction, before loops: one standard deviation, metres. `None`
     /// where the method says nothing about it.
     pub held_deviation_m: Option<f64>,
     /// Places that were recognised.
