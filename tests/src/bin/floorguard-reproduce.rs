@@ -31,8 +31,23 @@ fn main() -> ExitCode {
         eprintln!("'{trials}' is not a number of runs");
         return ExitCode::from(2);
     };
-    let folder = Path::new(folder);
-    let outcome = match experiment.as_str() {
+    match reproduced(experiment, trials, Path::new(folder), seed) {
+        Some(outcome) => exit_code(outcome),
+        None => {
+            eprintln!("no experiment is called '{experiment}'");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// What an experiment printed, and whether everything that must show did; `None` without an experiment of this name.
+fn reproduced(
+    experiment: &str,
+    trials: u64,
+    folder: &Path,
+    seed: Option<u64>,
+) -> Option<anyhow::Result<(String, bool)>> {
+    let outcome = match experiment {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
         "tours" => floorguard_tests::reproduce::tours(folder),
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
@@ -54,11 +69,12 @@ fn main() -> ExitCode {
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
         "second-look" => floorguard_tests::second_look::second_look(trials, folder),
         "online-learning" => floorguard_tests::online::online_learning(trials, folder),
-        other => {
-            eprintln!("no experiment is called '{other}'");
-            return ExitCode::from(2);
-        }
+        _ => return None,
     };
+    Some(outcome)
+}
+
+fn exit_code(outcome: anyhow::Result<(String, bool)>) -> ExitCode {
     match outcome {
         Ok((_, true)) => ExitCode::SUCCESS,
         Ok((_, false)) => {
