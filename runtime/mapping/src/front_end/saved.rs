@@ -37,6 +37,7 @@ impl Tracker {
             to.number(last.time_s);
             to.pose(last.pose);
             to.pose(last.speed);
+            to.pose(last.step);
         }
     }
 
@@ -54,8 +55,8 @@ impl Tracker {
             tracker.maps.push(map);
         }
         if from.count()? == 1 {
-            let (time_s, pose, speed) = (from.number()?, from.pose()?, from.pose()?);
-            tracker.last_alone = Some(LastAlone { time_s, pose, speed });
+            let (time_s, pose, speed, step) = (from.number()?, from.pose()?, from.pose()?, from.pose()?);
+            tracker.last_alone = Some(LastAlone { time_s, pose, speed, step });
         }
         Some(tracker)
     }

@@ -41,7 +41,14 @@ pub(super) struct LastAlone {
     pub(super) pose: Se2,
     /// Motion a second, in the scanner's frame.
     pub(super) speed: Se2,
+    /// Motion since the scan before it.
+    pub(super) step: Se2,
 }
+
+/// Motions that differ by more, metres and radians, are both tried.
+const UNLIKE: [f64; 2] = [0.05, 0.03];
+/// No robot that cleans is faster, m/s and rad/s: stamps that say so are uneven.
+const SPEED_MAX: [f64; 2] = [2.0, 2.5];
 
 /// Blocks that a search of the tracking can keep.
 const BLOCKS: usize = 8_192;
@@ -93,6 +100,7 @@ impl Tracker {
             time_s: node.time_s,
             pose: node_pose,
             speed: Se2::default(),
+            step: Se2::default(),
         });
         let passed_s = (record.time_s - last.time_s).clamp(1.0e-3, 1.0);
         let points = if record.between_s == 0.0 {
@@ -101,12 +109,23 @@ impl Tracker {
             record.points_in_motion(self.config.range_least_m, self.config.range_most_m, last.speed)
         };
         let moved = last.speed.scaled(passed_s);
-        let expected = last.pose.compose(moved);
         let window = [(0.1 + 0.7 * passed_s).min(0.6), (0.05 + 0.7 * passed_s).min(0.5)];
-        let refined = self.locate(&points, expected, window);
+        let mut expected = last.pose.compose(moved);
+        let mut refined = self.locate(&points, expected, window);
+        let other = last.step.between(moved);
+        if other.length_m() > UNLIKE[0] || other.heading_rad.abs() > UNLIKE[1] {
+            // A log that is written in bursts has uneven stamps; its scans are even.
+            let by_step = last.pose.compose(last.step);
+            let found = self.locate(&points, by_step, window);
+            if found.score > refined.score {
+                (expected, refined) = (by_step, found);
+            }
+        }
         let pose = self.maps.first().map_or(expected, |map| map.origin.compose(refined.pose.into()));
-        let speed = last.pose.between(pose).scaled(1.0 / passed_s);
-        self.last_alone = Some(LastAlone { time_s: record.time_s, pose, speed });
+        let step = last.pose.between(pose);
+        let slower = (step.length_m() / SPEED_MAX[0]).max(step.heading_rad.abs() / SPEED_MAX[1]);
+        let speed = step.scaled(1.0 / passed_s.max(slower));
+        self.last_alone = Some(LastAlone { time_s: record.time_s, pose, speed, step });
         let since_node = node_pose.between(pose);
         if self.has_hardly_moved(since_node) {
             return self.pass(record, since_node, points);

@@ -106,6 +106,24 @@ fn two_equal_offices_do_not_fold_the_map() {
     assert!(worst_m < 1.0, "{worst_m}");
 }
 
+/// Scans without odometry of a log that is written four at a time: stamps a millisecond apart, then none for as long as they took.
+#[test]
+fn uneven_stamps_do_not_lose_the_way() {
+    let path = route(&[[3.5, 5.5], [3.5, 3.8], [4.4, 2.6], [2.2, 2.2], [3.5, 3.8], [6.0, 5.0], [3.5, 5.5]]);
+    let mut mapper = Mapper::new(MapConfig::default());
+    for (index, mut record) in records(&two_offices(), &path, 10.0, 17).into_iter().enumerate() {
+        record.odometry = None;
+        record.time_s = STEP_S * (4 * (index / 4) + 4) as f64 + 0.001 * (index % 4) as f64;
+        mapper.push(&record).unwrap();
+    }
+    mapper.finish().unwrap();
+    let trajectory = mapper.trajectory();
+    let off_m =
+        trajectory.iter().zip(&path).map(|((_, pose), truth)| path[0].compose(*pose).distance(*truth));
+    let worst_m = off_m.fold(0.0, f64::max);
+    assert!(trajectory.len() == path.len() && worst_m < 0.15, "{worst_m} m");
+}
+
 /// A way back into an office whose place has drifted: found where the window shows what is around it, left alone at its rim.
 #[test]
 fn places_at_the_rim_are_left_alone() {
