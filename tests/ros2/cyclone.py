@@ -83,8 +83,8 @@ class Robot:
     def listen(self):
         for name, reader in self.readers.items():
             for sample in reader.take(N=64):
-                if not hasattr(sample, "__dataclass_fields__"):
-                    continue
+                if not isinstance(sample, (TOPICS.get(name) or (ros.ParticipantEntitiesInfo,))[0]):
+                    continue  # the writer has gone
                 self.counts[name] += 1
                 self.newest[name] = sample
                 if name in ("/tf", "/tf_static"):

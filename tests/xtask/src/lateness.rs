@@ -2,7 +2,7 @@
 //!
 //! In turn a robot in real time that only records and has its panel, and the same robot with the bridge to ROS 2 and Foxglove: four
 //! programs read everything over DDS and one reads nothing, one watches by Foxglove's protocol and one asks as the panel's page
-//! does. The simulated world and all watchers take the cores of the same computer.
+//! does. The simulated world takes the cores of the same computer; the watchers have one of them.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -127,7 +127,10 @@ fn watch(python: &Path, domain: &str, seconds: &str) -> Result<Vec<Child>> {
         ("watchers.py", ["panel", PANEL, seconds]),
     ];
     let started = readers.chain(others).map(|(script, arguments)| {
-        Command::new(python).arg(folder.join(script)).args(arguments).stdout(Stdio::null()).spawn()
+        // On a robot they have other computers: here they have one core of those that there are.
+        let mut watcher = Command::new("taskset");
+        watcher.args(["--cpu-list", "0"]).arg(python).arg(folder.join(script)).args(arguments);
+        watcher.stdout(Stdio::null()).spawn()
     });
     let started: Vec<Child> = started.collect::<Result<_, _>>().context("cannot start a watcher")?;
     ensure!(started.len() == READERS + 3, "not all watchers started");
