@@ -7,6 +7,7 @@ mod gear_outlines;
 mod gradient;
 mod grid_planner;
 mod grid_search;
+mod grid_sweep;
 mod lattice;
 mod lattice_heap;
 mod lattice_motions;
