@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
@@ -16,6 +17,9 @@ use crate::{check_ros2, shell};
 const READERS: usize = 4;
 /// Largest lateness of 99.9 % of the timers, milliseconds.
 const LATE_MAX_MS: f64 = 1.0;
+/// Watchers begin so long after the robot, and end so long before it, seconds: who ends has read something, or says that it has not.
+const WATCH_FROM_S: u32 = 2;
+const WATCH_ENDS_S: u32 = 6;
 /// What the program prints before its figures.
 const MARK: &str = "guard ring: ";
 const PANEL: &str = "127.0.0.1:18080";
@@ -25,7 +29,7 @@ const FOXGLOVE: &str = "127.0.0.1:18765";
 #[derive(Args)]
 pub struct Options {
     /// Seconds of a run, in real time.
-    #[arg(long, default_value_t = 45)]
+    #[arg(long, default_value_t = 45, value_parser = clap::value_parser!(u32).range(20..))]
     duration: u32,
     /// Runs of each kind.
     #[arg(long, default_value_t = 3)]
@@ -99,12 +103,18 @@ fn play((robot, python): (&Path, &Path), options: &Options, is_watched: bool) ->
     }
     let robot = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let robot = robot.context("cannot start the robot's program")?;
-    let watchers = if is_watched { watch(python, &domain, &seconds)? } else { Vec::new() };
+    let watched_s = options.duration.saturating_sub(WATCH_FROM_S + WATCH_ENDS_S).to_string();
+    let watchers = if is_watched { watch(python, &domain, &watched_s)? } else { Vec::new() };
     let printed = robot.wait_with_output()?;
-    for mut watcher in watchers {
-        // What is still there waits for a robot that has ended.
+    for (what, mut watcher) in watchers {
+        // One that still waits has found no robot.
+        let has_read = watcher.try_wait()?.is_some_and(|status| status.success());
         watcher.kill()?;
         watcher.wait()?;
+        ensure!(
+            has_read,
+            "the watcher `{what}` has read nothing: the figures would be those of a robot without it"
+        );
     }
     let printed = String::from_utf8_lossy(&printed.stderr);
     read(&printed)
@@ -115,26 +125,24 @@ fn recording() -> PathBuf {
     shell::target_folder().join("check-ros2/lateness.mcap")
 }
 
-/// All who watch; they wait for the robot by themselves.
-fn watch(python: &Path, domain: &str, seconds: &str) -> Result<Vec<Child>> {
+/// All who watch for so long, with their names.
+fn watch(python: &Path, domain: &str, seconds: &str) -> Result<Vec<(&'static str, Child)>> {
     // The sockets are there before the robot's devices are.
-    std::thread::sleep(std::time::Duration::from_secs(2));
+    std::thread::sleep(Duration::from_secs(WATCH_FROM_S.into()));
     let folder = check_ros2::folder();
-    let readers = (0..READERS).map(|_| ("cyclone.py", [domain, "--read", seconds]));
+    let readers = (0..READERS).map(|_| ("reader", "cyclone.py", [domain, "--read", seconds]));
     let others = [
-        ("cyclone.py", [domain, "--stall", seconds]),
-        ("watchers.py", ["foxglove", FOXGLOVE, seconds]),
-        ("watchers.py", ["panel", PANEL, seconds]),
+        ("stalled reader", "cyclone.py", [domain, "--stall", seconds]),
+        ("Foxglove", "watchers.py", ["foxglove", FOXGLOVE, seconds]),
+        ("panel", "watchers.py", ["panel", PANEL, seconds]),
     ];
-    let started = readers.chain(others).map(|(script, arguments)| {
+    let started = readers.chain(others).map(|(what, script, arguments)| {
         // On a robot they have other computers: here they have one core of those that there are.
         let mut watcher = Command::new("taskset");
         watcher.args(["--cpu-list", "0"]).arg(python).arg(folder.join(script)).args(arguments);
-        watcher.stdout(Stdio::null()).spawn()
+        Ok((what, watcher.stdout(Stdio::null()).spawn()?))
     });
-    let started: Vec<Child> = started.collect::<Result<_, _>>().context("cannot start a watcher")?;
-    ensure!(started.len() == READERS + 3, "not all watchers started");
-    Ok(started)
+    started.collect::<std::io::Result<_>>().context("cannot start a watcher")
 }
 
 /// The figures in the program's line `guard ring: … ms late in the middle, … ms in 99.9 % of … timers, … ms at most`.
