@@ -46,8 +46,8 @@ pub struct Cloud<'a> {
     pub data: &'a [u8],
 }
 
-/// No scanner turns slower, seconds.
-const TURN_MAX_S: f32 = 1.0;
+/// No scanner takes longer for a scan, seconds.
+const SCAN_MAX_S: f32 = 0.5;
 
 /// `sensor_msgs/msg/LaserScan`.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub struct LaserScan {
     pub first_angle_rad: f32,
     /// From beam to beam, radians; negative for a scanner on its head.
     pub step_rad: f32,
-    /// From beam to beam, seconds; 0 where the driver does not say.
+    /// From beam to beam, seconds, as the driver says; see [`Self::beam_interval_s`].
     pub between_s: f32,
     /// Shorter ranges are none, metres.
     pub range_min_m: f32,
@@ -113,12 +113,18 @@ pub struct Status {
 }
 
 impl LaserScan {
+    /// From beam to beam, seconds; 0 where it is not known: some drivers write the time of the whole scan, or a rate.
+    #[must_use]
+    pub fn beam_interval_s(&self) -> f32 {
+        let is_known = (0.0..SCAN_MAX_S).contains(&(self.between_s * self.ranges_m.len() as f32));
+        if is_known { self.between_s } else { 0.0 }
+    }
+
     /// When the middle beam was measured: stamps are of the first one.
     #[must_use]
     pub fn middle(&self) -> Stamp {
-        let half_s = 0.5 * self.between_s * self.ranges_m.len().saturating_sub(1) as f32;
-        // Saturates, and a scan that is no scan has no middle.
-        self.header.stamp.plus_micros((1.0e6 * half_s.clamp(0.0, TURN_MAX_S)) as u64)
+        let half_s = 0.5 * self.beam_interval_s() * self.ranges_m.len().saturating_sub(1) as f32;
+        self.header.stamp.plus_micros((1.0e6 * half_s) as u64)
     }
 }
 

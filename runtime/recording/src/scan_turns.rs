@@ -29,6 +29,9 @@ impl ScanTurns {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decode::laser_scan;
+    use crate::messages;
+    use floorguard_types::sensing::BeamReturn;
 
     /// Ten turns a second, one scan lost; then another scanner, whose numbers say nothing.
     #[test]
@@ -42,5 +45,19 @@ mod tests {
         let seen = [(100, 7), (200, 8), (400, 10), (440, 10), (430, 11), (470, 12), (900, 13)];
         let seen = seen.map(|(millis, sequence)| (1.0e3 * turns.turn_s(&scan(millis, sequence))).round());
         assert_eq!(seen, [40.0, 100.0, 100.0, 40.0, 40.0, 40.0, 40.0]);
+    }
+
+    /// As ROS has it, a scan bears the stamp of its first beam; its middle is what our driver has stamped.
+    #[test]
+    fn scans_bear_the_stamp_of_their_first_beam() {
+        let mut scan =
+            Scan { stamp: Stamp::from_micros(5_000_000), step_rad: 0.008_726_646, ..Scan::default() };
+        for _ in 0..541 {
+            scan.beams.push(BeamReturn::Hit(1_000)).unwrap();
+        }
+        let read = laser_scan(&messages::laser_scan(&scan, 0.1, "scanner")).unwrap();
+        // Three quarters of a tenth of a second, from end to end.
+        assert!(read.header.stamp.as_micros().abs_diff(5_000_000 - 37_500) <= 1, "{:?}", read.header.stamp);
+        assert!(read.middle().as_micros().abs_diff(5_000_000) <= 1, "{:?}", read.middle());
     }
 }

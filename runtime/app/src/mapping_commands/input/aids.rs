@@ -3,8 +3,8 @@
 use floorguard_mapping::lidar_odometry::{Gaussian3, MotionAid, Pose3, WheelSpeed};
 use nalgebra::{Matrix3, Vector3};
 
-use super::odometry::OdometryTrack;
 use crate::recordings::FrameTree;
+use floorguard_mapping_host::input::OdometryTrack;
 
 /// Deviation of the speed by the wheels: so much, and this share of it, m/s.
 const WHEELS_MPS: [f64; 2] = [0.02, 0.03];

@@ -10,12 +10,11 @@ use std::path::Path;
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::input::ScanRecord;
+use floorguard_mapping_host::input::{OdometryTrack, ScanRecord};
 use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{Recorded, Recording};
 
 use super::drive::Sink;
-use super::odometry::OdometryTrack;
 use crate::recordings::{FrameTree, flat, is_base};
 
 /// What the first reading of bags finds.
@@ -46,9 +45,6 @@ pub struct BagScans {
     /// It hangs upside down.
     pub is_inverted: bool,
 }
-
-/// No scanner turns slower, seconds: a longer time of a scan is none.
-const SCAN_MAX_S: f32 = 0.5;
 
 fn open(path: &Path) -> Result<Recording<BufReader<Box<dyn Read + Send>>>, BadInput> {
     let bad = |error: std::io::Error| BadInput(format!("{}: {error}", path.display()));
@@ -180,9 +176,7 @@ impl BagScans {
         let mut ranges_m: Vec<f32> =
             scan.ranges_m.iter().map(|range| if believed(*range) { *range } else { f32::INFINITY }).collect();
         let (mut first_angle_rad, mut step_rad) = (scan.first_angle_rad, scan.step_rad);
-        // Some drivers write a rate, a time for the whole scan, or nothing.
-        let is_known = (0.0..SCAN_MAX_S).contains(&(scan.between_s * ranges_m.len() as f32));
-        let mut between_s = if is_known { scan.between_s } else { 0.0 };
+        let mut between_s = scan.beam_interval_s();
         if self.is_inverted {
             (first_angle_rad, step_rad) = (-first_angle_rad, -step_rad);
         }
@@ -196,5 +190,58 @@ impl BagScans {
         let odometry = self.odometry.at(time_s).map(|robot| robot.compose(self.scanner_in_robot));
         let motion = self.odometry.motion_at(time_s, self.scanner_in_robot).unwrap_or_default();
         Some(ScanRecord { time_s, odometry, first_angle_rad, step_rad, ranges_m, between_s, motion })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_recording::decode::Header;
+    use floorguard_types::time::Stamp;
+
+    fn scan(step_rad: f32, between_s: f32) -> LaserScan {
+        LaserScan {
+            header: Header { stamp: Stamp::from_micros(1_000_000), frame: "scanner".to_owned() },
+            first_angle_rad: -step_rad,
+            step_rad,
+            between_s,
+            range_min_m: 0.0,
+            range_max_m: 30.0,
+            ranges_m: vec![1.0, 2.0, 3.0],
+        }
+    }
+
+    fn scans(is_inverted: bool) -> BagScans {
+        let mut odometry = OdometryTrack::default();
+        odometry.push(0.9, Se2::default());
+        odometry.push(1.1, Se2::new(0.2, 0.0, 0.0));
+        let scanner_in_robot = Se2::new(0.9, 0.0, 0.0);
+        BagScans { topic: "/scan".to_owned(), odometry, scanner_in_robot, is_mounted: true, is_inverted }
+    }
+
+    /// The stamp is that of the first beam; a scan is seen from its middle one, with the motion there.
+    #[test]
+    fn scans_have_the_motion_of_their_middle() {
+        let record = scans(false).record(scan(0.1, 0.01)).unwrap();
+        assert!((record.time_s - 1.01).abs() < 1.0e-6, "{}", record.time_s);
+        assert_eq!((record.ranges_m[0], record.between_s), (1.0, 0.01));
+        assert!((record.motion.x_m - 1.0).abs() < 1.0e-9, "{:?}", record.motion);
+        // Beams that run clockwise, or from above seem to, are turned round, and so is their time.
+        for (is_inverted, step_rad) in [(false, -0.1), (true, 0.1)] {
+            let record = scans(is_inverted).record(scan(step_rad, 0.01)).unwrap();
+            assert!((record.time_s - 1.01).abs() < 1.0e-6 && record.step_rad > 0.0);
+            assert_eq!((record.ranges_m[0], record.between_s), (3.0, -0.01));
+        }
+        let record = scans(true).record(scan(-0.1, 0.01)).unwrap();
+        assert_eq!((record.ranges_m[0], record.between_s), (1.0, 0.01));
+    }
+
+    /// What can be no time from beam to beam neither moves the returns nor the scan.
+    #[test]
+    fn impossible_times_of_beams_are_left_out() {
+        for between_s in [0.0, -0.01, 0.3, f32::NAN, f32::INFINITY] {
+            let record = scans(false).record(scan(0.1, between_s)).unwrap();
+            assert_eq!((record.time_s, record.between_s), (1.0, 0.0), "{between_s}");
+        }
     }
 }

@@ -6,7 +6,6 @@ mod bag;
 mod carmen;
 mod cloud_sweep;
 mod drive;
-mod odometry;
 mod sieve;
 mod space_bag;
 mod space_drive;

@@ -14,9 +14,9 @@ use nalgebra::Vector3;
 
 use super::aids::{AidsFound, GyroscopeSample};
 use super::cloud_sweep::sweep_of_cloud;
-use super::odometry::OdometryTrack;
 use super::sweeps::{Cutter, HOUR_US, SweepSink, SweepsRead, begins};
 use crate::recordings::{FrameTree, flat, is_base};
+use floorguard_mapping_host::input::OdometryTrack;
 
 /// Where the revolutions are.
 #[derive(Clone, Debug)]

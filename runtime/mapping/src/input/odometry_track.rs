@@ -1,13 +1,13 @@
 //! Odometry over time.
 
-use floorguard_mapping_host::Se2;
+use crate::se2::Se2;
 
 /// Between two poses farther apart in time the motion is not known, seconds.
 const GAP_S: f64 = 0.5;
 /// Beyond the first and the last pose it is known for so long, seconds.
 const BEYOND_S: f64 = 0.1;
 
-/// No robot that cleans is faster, m/s and rad/s: odometry that says so was set anew.
+/// Faster, m/s and rad/s, odometry was set anew. The turn must stay below half a turn a second, where a rate would be wrapped.
 const SPEED_MAX: (f64, f64) = (5.0, 3.0);
 
 /// Poses of the robot in the frame of its odometry, ordered by time.
