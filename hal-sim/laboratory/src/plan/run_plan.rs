@@ -289,6 +289,9 @@ impl Plan {
     /// # Errors
     /// The example robot cannot carry it.
     pub fn with_imu(mut self, model: ImuModel) -> Result<Self, PlanError> {
+        if model == ImuModel::default() {
+            return Ok(self);
+        }
         let fitted = format!("[imu]\nmodel = \"{}\"\n", model.key());
         self.robot_toml = self.robot_toml.replace("[imu]\n", &fitted);
         self.robot.imu = parse("robot.toml", &self.robot_toml)?.robot.imu;

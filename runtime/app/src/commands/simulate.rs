@@ -250,10 +250,7 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if let Some(keys) = arguments.lidar.keys() {
         plan = plan.with_lidar(&keys)?;
     }
-    plan = plan.with_scanner(arguments.scanner.model())?;
-    if arguments.imu != FittedImu::XsensMti {
-        plan = plan.with_imu(arguments.imu.model())?;
-    }
+    plan = plan.with_scanner(arguments.scanner.model())?.with_imu(arguments.imu.model())?;
     plan.command.clone_from(&arguments.command);
     if arguments.fleet.is_some() || arguments.ros2_goals {
         plan = plan.ordered()?;

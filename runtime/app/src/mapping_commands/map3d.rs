@@ -256,3 +256,28 @@ impl From<ColourArgument> for Colour {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_mapping_host::lidar3d::{Mapper3Counters, SpaceCloserCounters, SurfaceCloud};
+
+    /// A corridor of a few sweeps that show nothing along it bends a long map, whose other sweeps show everything.
+    #[test]
+    fn few_sweeps_without_information_make_a_map_doubtful() {
+        let verdict = |held_deviation_m: Option<f64>, loops_believed: usize| {
+            let map = SpaceMap {
+                trajectory: Vec::new(),
+                cloud: SurfaceCloud::new(1.0),
+                counters: Mapper3Counters { sweeps: 1_800, held: 139, ..Mapper3Counters::default() },
+                cubes: [0; 2],
+                held_deviation_m,
+                loops: SpaceCloserCounters::default(),
+                loops_believed,
+            };
+            summarise(&map, &SweepsRead::default(), 0).verdict
+        };
+        assert_eq!(verdict(Some(14.0), 0), "doubtful");
+        assert_eq!([verdict(Some(0.1), 0), verdict(Some(14.0), 1), verdict(None, 0)], ["good"; 3]);
+    }
+}

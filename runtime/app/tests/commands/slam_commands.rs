@@ -362,11 +362,11 @@ fn lidar_alone_doubts_a_smooth_corridor() {
         let output =
             floorguard(&[&["map3d", text(&recording), "--out", text(&out), "--json"], more].concat());
         let summary: Value = serde_json::from_slice(&output.stdout).expect("one object");
-        println!("{summary}");
-        (output.status.code(), summary["verdict"].as_str().map(str::to_owned))
+        let held_m = summary["held_deviation_m"].as_f64().expect("metres");
+        (output.status.code(), summary["verdict"].as_str().map(str::to_owned), held_m > 1.0)
     };
-    assert_eq!(verdict(&["--lidar-alone"]), (Some(1), Some("doubtful".to_owned())));
-    assert_eq!(verdict(&[]), (Some(0), Some("good".to_owned())));
+    assert_eq!(verdict(&["--lidar-alone"]), (Some(1), Some("doubtful".to_owned()), true));
+    assert_eq!(verdict(&[]), (Some(0), Some("good".to_owned()), false));
 }
 
 /// A recording holds every fifth sweep as a cloud and the datagrams of all: all are mapped, and the lidar alone drives as far as the
