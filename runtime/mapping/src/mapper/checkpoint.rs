@@ -10,7 +10,7 @@ use crate::refine::ScanView;
 use crate::saved::{Reading, Saving};
 
 /// The form of the bytes; another one is not read.
-const FORM: usize = 0x4647_4D41_5002;
+const FORM: usize = 0x4647_4D41_5003;
 
 /// A mapping that goes on.
 pub struct Resumed {
