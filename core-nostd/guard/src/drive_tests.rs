@@ -135,7 +135,7 @@ impl Drive {
     /// Where something was met, or may be hidden.
     fn obstacles(&self, wanted: Sight) -> std::vec::Vec<Point2> {
         let mut places = std::vec::Vec::new();
-        self.guard.memory.for_each_obstacle(&self.guard.rays, |cell, sight| {
+        self.guard.memory.for_each_obstacle((&self.guard.rays, true), |cell, sight| {
             if sight == wanted {
                 places.push(cell.middle());
             }
@@ -181,6 +181,34 @@ fn fg_req_068_narrow_end_met_at_the_start_stays() {
         drive.go((0.5, 0.6), &[bar]);
         assert!((drive.nearest_m(Sight::Met) - 3.11).abs() < NEAR_M, "seed {seed}");
         assert!(drive.nearest_m(Sight::Hidden) < 2.7, "seed {seed}");
+    }
+}
+
+/// What hid a low box goes away when the lowest ring passes over its near side already: nothing has been seen of that side. A box that was
+/// in sight has been met as near as it is.
+#[test]
+fn fg_req_068_near_side_that_was_never_in_sight_is_hidden() {
+    let mut config = config();
+    config.thresholds.memory_firings = 8;
+    config.lidar.floor_clearance_m = 0.08;
+    let (low_box, screen) =
+        (Cuboid([[5.1, 5.9], [-0.3, 0.3], [0.0, 0.12]]), Cuboid([[5.0, 5.05], [-3.0, 3.0], [0.0, 2.0]]));
+    for seed in 0..4 {
+        let mut drive = Drive::begin(&config, seed);
+        drive.go((0.5, 5.2), &[low_box, screen]);
+        drive.go((0.0, 1.5), &[low_box]);
+        let face_m = 5.1;
+        let [met, hidden] = [Sight::Met, Sight::Hidden].map(|sight| {
+            let places = drive.obstacles(sight).into_iter();
+            places.filter(|place| place.y_m.abs() < 0.4).collect::<std::vec::Vec<_>>()
+        });
+        assert!(met.iter().all(|place| place.x_m > face_m + 0.3), "seed {seed}: {met:?}");
+        assert!(hidden.iter().any(|place| place.x_m < face_m + 0.25), "seed {seed}: {hidden:?}");
+        assert!(hidden.iter().all(|place| place.x_m > face_m - 0.15), "seed {seed}: {hidden:?}");
+        let mut drive = Drive::begin(&config, seed);
+        drive.go((0.5, 5.2), &[low_box]);
+        assert!((drive.nearest_m(Sight::Met) - face_m).abs() < NEAR_M, "seed {seed}");
+        assert!(drive.nearest_m(Sight::Hidden) > face_m, "seed {seed}: {}", drive.nearest_m(Sight::Hidden));
     }
 }
 
@@ -301,7 +329,7 @@ fn nearest_m(heights_m: &[f32], driven_m: f32) -> f32 {
     }
     let (mut nearest_m, mut rays) = (f32::INFINITY, LidarRays::NONE);
     rays.fill(&config().lidar);
-    memory.for_each_obstacle(&rays, |cell, _| nearest_m = nearest_m.min(cell.middle().x_m));
+    memory.for_each_obstacle((&rays, false), |cell, _| nearest_m = nearest_m.min(cell.middle().x_m));
     nearest_m
 }
 

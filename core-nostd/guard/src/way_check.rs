@@ -5,8 +5,7 @@ use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
 use crate::protection::{
-    Body, Cause, CauseRecord, Cell, GuardConfig, LidarRays, LocalMemory, REACTION_S, STANDOFF_M, Sight,
-    Stopping, Sweep, fastest_mps,
+    Blind, Cause, CauseRecord, Cell, GuardConfig, REACTION_S, STANDOFF_M, Sight, Stopping, Sweep, fastest_mps,
 };
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};
@@ -103,7 +102,7 @@ impl Supervisor {
             while_moving(measured, 0.0),
         ];
         if ways.iter().any(Option::is_some) {
-            meet_all((&self.memory, &self.rays), (pose, &self.body), &mut ways);
+            self.meet_all(pose, &mut ways);
         }
         if self.memory.is_incomplete(now) {
             self.state.machine.raise(CauseRecord::new(Cause::WayClosed, now));
@@ -124,6 +123,26 @@ impl Supervisor {
             let record = CauseRecord::new(cause, now).limited_to(found.share * fastest_mps.max(wanted_mps));
             self.state.machine.raise(record.metres(found.free_m, found.needed_m));
         }
+    }
+
+    /// Everything that stands around, against all ways at once. Where the body stands nothing is hidden. A second scanner looks where the
+    /// first one does not.
+    fn meet_all(&self, pose: Pose2, ways: &mut [Option<Way<'_>>; 3]) {
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        let rays = (&self.rays, self.config.thresholds.memory_firings > 1);
+        self.memory.for_each_obstacle(rays, |cell: Cell, sight: Sight| {
+            let place = cell.middle();
+            let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
+            let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+            if sight == Sight::Met || self.body.distance_m(in_robot) > 0.0 {
+                ways.iter_mut().flatten().for_each(|way| way.meet(in_robot));
+            }
+        });
+        let scanner = Blind::of(&self.scan_table).filter(|_| self.config.rear_scanner.is_none());
+        let Some(blind) = scanner else { return };
+        self.memory.for_each_never_seen(&blind, (pose, &self.body), |place| {
+            ways.iter_mut().flatten().for_each(|way| way.meet(place));
+        });
     }
 
     /// The motion as far as the drive can follow it.
@@ -148,21 +167,4 @@ impl From<&Way<'_>> for Found {
     fn from(way: &Way<'_>) -> Self {
         Self { free_m: way.free_m, needed_m: way.needed_m, share: way.share() }
     }
-}
-
-/// Everything that stands around, against all ways at once. Where the body stands nothing is hidden.
-fn meet_all(
-    (memory, rays): (&LocalMemory, &LidarRays),
-    (pose, body): (Pose2, &Body),
-    ways: &mut [Option<Way<'_>>; 3],
-) {
-    let (sin, cos) = libm::sincosf(pose.heading_rad);
-    memory.for_each_obstacle(rays, |cell: Cell, sight: Sight| {
-        let place = cell.middle();
-        let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
-        let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
-        if sight == Sight::Met || body.distance_m(in_robot) > 0.0 {
-            ways.iter_mut().flatten().for_each(|way| way.meet(in_robot));
-        }
-    });
 }

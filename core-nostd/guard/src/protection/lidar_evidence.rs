@@ -43,6 +43,10 @@ const STEEP: f32 = 0.6;
 const RING_GAP: f32 = 0.052;
 /// Returns nearer to each other than this have no slope, metres.
 const LEAST_RUN_M: f32 = 1.0e-3;
+/// So low over the floor the lowest ring has seen what lies there, metres.
+const OVER_FLOOR_M: f32 = 0.12;
+/// Cells along it there: a ring that sinks by a quarter of its way.
+const FLOOR_STEPS: u8 = 8;
 /// Parts of a cell in which its places are counted along a look.
 const PARTS_OF_CELL: f32 = 65_536.0;
 
@@ -75,6 +79,7 @@ impl LocalMemory {
         let firing = rays.firing(column.azimuth_cdeg, bin, self.pose_at(packet.stamp));
         let reaches_m = firing.reaches_m(column, unit_m);
         self.look_along((&firing, rays), &reaches_m);
+        self.look_at_floor(&firing, &reaches_m);
         let pair = Pair { column, beside, unit_m, own_m: f32::from(bin.own_mm) * 1.0e-3 };
         self.meet_along(&firing, &pair, (rays.heights_m, reach_m));
     }
@@ -164,6 +169,22 @@ impl LocalMemory {
         }
     }
 
+    /// Cells over which the lowest ring has passed so low that what lies under it is too low for the memory, or for any sensor.
+    fn look_at_floor(&mut self, firing: &Firing, reaches_m: &[f32; PACKET_RINGS_MAX]) {
+        let ([ray, ..], [reach_m, ..]) = (&firing.rays, reaches_m);
+        let from_m = (firing.height_m - OVER_FLOOR_M) / (-ray.slope).max(1.0e-3);
+        let mut at_m = reach_m.min(REACH_M);
+        for _ in 0..FLOOR_STEPS {
+            if at_m < from_m {
+                break;
+            }
+            if let Some((row, index)) = self.place(firing.cell_at(at_m)) {
+                row.set_floor(index, true);
+            }
+            at_m -= CELL_M;
+        }
+    }
+
     /// The rays of a firing that go through a cell refute what was met in it at their heights.
     fn look_through(
         &mut self,
@@ -186,7 +207,7 @@ impl LocalMemory {
 }
 
 /// A number of cells in parts of a cell.
-fn parts(cells: f32) -> i32 {
+pub(super) fn parts(cells: f32) -> i32 {
     saturating_i32(libm::floorf(cells * PARTS_OF_CELL))
 }
 

@@ -126,7 +126,7 @@ impl LocalMemory {
     /// memory begins anew where the robot stands (FG-REQ-065). What the sensors see comes back.
     pub fn on_reset(&mut self, now: Stamp) {
         if self.reset_means_way {
-            self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
+            self.rows.iter_mut().for_each(|row| row.clone_from(&Row::LOOKED_AT));
             (self.reset_means_way, self.forgotten_at) = (false, Some(now));
             self.began = Some(self.pose);
         }
@@ -293,7 +293,7 @@ impl LocalMemory {
         });
         for cell in &inside {
             if let Some((row, index)) = self.place(*cell) {
-                row.clear(index);
+                row.clear(index, true);
             }
         }
     }
@@ -314,15 +314,18 @@ impl LocalMemory {
         Cell { x: cell.x.saturating_sub(half), y: cell.y.saturating_sub(half) }
     }
 
-    /// Moves the window cell by cell; what leaves it is forgotten.
+    /// Moves the window cell by cell; what leaves it is forgotten. What comes into it behind the robot counts as looked through.
     fn shift_to(&mut self, wanted: Cell) {
+        let (sin, cos) = libm::sincosf(self.pose.heading_rad);
+        let is_behind_x = (wanted.x > self.first.x) != (cos > 0.0);
+        let is_behind_y = (wanted.y > self.first.y) != (sin > 0.0);
         for _ in 0..SIDE {
             if wanted.x == self.first.x {
                 break;
             }
             let leaves = if wanted.x > self.first.x { self.first.x } else { self.first.x.wrapping_sub(1) };
             let index = local(leaves);
-            self.rows.iter_mut().for_each(|row| row.clear(index));
+            self.rows.iter_mut().for_each(|row| row.clear(index, is_behind_x));
             self.first.x = self.first.x.wrapping_add(if wanted.x > self.first.x { 1 } else { -1 });
         }
         for _ in 0..SIDE {
@@ -331,7 +334,7 @@ impl LocalMemory {
             }
             let leaves = if wanted.y > self.first.y { self.first.y } else { self.first.y.wrapping_sub(1) };
             if let Some(row) = self.rows.get_mut(local(leaves)) {
-                row.clone_from(&Row::EMPTY);
+                row.clone_from(if is_behind_y { &Row::LOOKED_AT } else { &Row::EMPTY });
             }
             self.first.y = self.first.y.wrapping_add(if wanted.y > self.first.y { 1 } else { -1 });
         }
@@ -339,12 +342,12 @@ impl LocalMemory {
         self.first = wanted;
     }
 
-    fn place(&mut self, cell: Cell) -> Option<(&mut Row, usize)> {
+    pub(super) fn place(&mut self, cell: Cell) -> Option<(&mut Row, usize)> {
         self.has(cell).then(|| self.rows.get_mut(local(cell.y))).flatten().map(|row| (row, local(cell.x)))
     }
 
     /// The cell lies in the window.
-    fn has(&self, cell: Cell) -> bool {
+    pub(super) fn has(&self, cell: Cell) -> bool {
         let within = |value: i32, first: i32| (0..count_i32(SIDE)).contains(&value.wrapping_sub(first));
         within(cell.x, self.first.x) && within(cell.y, self.first.y)
     }

@@ -7,11 +7,13 @@
 use super::lidar_rays::LidarRays;
 use super::local_memory::{CELL_M, Cell, LocalMemory, SIDE, global, local};
 use super::memory_row::{Row, height_of_step_m};
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::number::{exact_usize, saturating_i32};
 
 /// The near side of an object may lie so far before what was met of it, cells. A side that is hidden farther is met by the bumper.
 const HIDDEN_CELLS: [f32; 2] = [4.0, 8.0];
+/// What lies farther behind than this ahead of the robot's origin was come by, metres.
+const AHEAD_M: f32 = 0.5;
 /// What was met this little above the lowest ring is the upper edge of what the ring had passed over: noise and the size of a cell,
 /// metres, and a third of the distance to the next ring, for each metre.
 const EDGE_M: (f32, f32) = (0.02, 0.012);
@@ -25,7 +27,7 @@ pub enum Sight {
     Hidden,
 }
 
-/// The lidar where the memory began.
+/// The lidar where the memory began, or where it is now.
 #[derive(Clone, Copy)]
 struct Beginning {
     lidar: Point2,
@@ -35,6 +37,11 @@ struct Beginning {
 }
 
 impl Beginning {
+    fn at(pose: Pose2, rays: &LidarRays) -> Self {
+        let lidar = pose.transform(Point2::new(rays.origin.x_m, rays.origin.y_m));
+        Self { lidar, height_m: rays.origin.z_m, slope: rays.lowest_slope }
+    }
+
     /// The lowest ring passed over a cell at this height, or a little lower, metres.
     fn edge_m(&self, cell: Cell) -> f32 {
         let away_m = cell.middle().distance(self.lidar);
@@ -53,9 +60,15 @@ impl LocalMemory {
     /// it and no cell beside it is kept. Such cells are mostly edges of people who went away: the rays that met them came from
     /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
     /// (book, Fields of the swept body: Memory). Where the memory began such a cell may be the edge of what the lowest ring passes
-    /// over: it is visited, and what it may hide (FG-REQ-068). At most 12,288.
-    pub fn for_each_obstacle(&self, rays: &LidarRays, mut visit: impl FnMut(Cell, Sight)) {
-        let beginning = self.beginning(rays);
+    /// over: it is visited, and what it may hide (FG-REQ-068). So is what an edge ahead of the lidar may hide now, where the lidar takes in so
+    /// many firings that each direction has its turn, and the lowest ring has not seen the floor. At most 20,480.
+    pub fn for_each_obstacle(
+        &self,
+        (rays, looks_all_around): (&LidarRays, bool),
+        mut visit: impl FnMut(Cell, Sight),
+    ) {
+        let (beginning, pose) = (self.beginning(rays), self.pose());
+        let present = looks_all_around.then(|| Beginning::at(pose, rays));
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
         let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);
@@ -71,6 +84,16 @@ impl LocalMemory {
         };
         self.visit((0, 1), obstacles, |cell| {
             visit(cell, Sight::Met);
+            if let Some(present) =
+                present.filter(|present| self.is_edge(cell, present) && is_ahead(cell, pose))
+            {
+                for cells in HIDDEN_CELLS {
+                    let near = towards(cell, present.lidar, cells);
+                    if self.is_unknown(near) {
+                        visit(near, Sight::Hidden);
+                    }
+                }
+            }
             let Some(beginning) = beginning.filter(|beginning| self.is_edge(cell, beginning)) else { return };
             for cells in HIDDEN_CELLS {
                 visit(towards(cell, beginning.lidar, cells), Sight::Hidden);
@@ -79,9 +102,13 @@ impl LocalMemory {
     }
 
     fn beginning(&self, rays: &LidarRays) -> Option<Beginning> {
-        let began = self.began?;
-        let lidar = began.transform(Point2::new(rays.origin.x_m, rays.origin.y_m));
-        Some(Beginning { lidar, height_m: rays.origin.z_m, slope: rays.lowest_slope })
+        Some(Beginning::at(self.began?, rays))
+    }
+
+    /// Neither was its floor seen nor anything met in it.
+    fn is_unknown(&self, cell: Cell) -> bool {
+        let row = if self.has(cell) { self.rows.get(local(cell.y)) } else { None };
+        row.is_some_and(|row| !row.is_known(local(cell.x)))
     }
 
     /// The lidar alone met something, and nothing of it is higher than the lowest ring passed where the memory began. The scanner
@@ -116,6 +143,12 @@ impl LocalMemory {
         }
         ignored
     }
+}
+
+/// It lies ahead of the robot's origin.
+fn is_ahead(cell: Cell, pose: Pose2) -> bool {
+    let (middle, (sin, cos)) = (cell.middle(), libm::sincosf(pose.heading_rad));
+    cos * (middle.x_m - pose.x_m) + sin * (middle.y_m - pose.y_m) > AHEAD_M
 }
 
 /// The cell that lies so many nearer to a place.

@@ -83,14 +83,28 @@ pub struct Row {
     /// What the lidar met in this span of [`AGREE_US`], in the one before, and in either of the two before: what it meets in
     /// this one and in either of those is kept.
     pub(crate) lately: [u64; 3],
+    /// Cells that the first or the last beam of a scanner has passed through.
+    pub(crate) passed: u64,
+    /// Cells whose floor, or what lies low above it, the lowest ring of the lidar has seen.
+    pub(crate) floor: u64,
     pub(crate) runs: [Run; SIDE],
     sum: u32,
 }
 
 impl Row {
     /// Nothing but zeros, which take no space in a program.
-    pub(super) const EMPTY: Self =
-        Self { by_lidar: 0, by_scanner: 0, lately: [0; 3], runs: [Run { low: 0, top: 0 }; SIDE], sum: 0 };
+    pub(super) const EMPTY: Self = Self {
+        by_lidar: 0,
+        by_scanner: 0,
+        lately: [0; 3],
+        passed: 0,
+        floor: 0,
+        runs: [Run { low: 0, top: 0 }; SIDE],
+        sum: 0,
+    };
+
+    /// Nothing is there, and it was looked through. The sum of a full word is nothing.
+    pub(super) const LOOKED_AT: Self = Self { passed: u64::MAX, floor: u64::MAX, ..Self::EMPTY };
 
     pub(super) fn run(&self, index: usize) -> Run {
         self.runs.get(index).copied().unwrap_or_default()
@@ -99,6 +113,11 @@ impl Row {
     /// Cells that are kept, of both sensors.
     pub(super) const fn kept(&self) -> u64 {
         self.by_lidar | self.by_scanner
+    }
+
+    /// Its floor was seen, or something was met in it.
+    pub(super) const fn is_known(&self, index: usize) -> bool {
+        has_bit(self.floor | self.kept(), index)
     }
 
     /// The highest step at which the lidar met something here, if it alone did.
@@ -172,6 +191,14 @@ impl Row {
         self.sum ^= folded(set_bit(&mut self.by_scanner, index, on)).rotate_left(7);
     }
 
+    pub(super) fn set_passed(&mut self, index: usize, on: bool) {
+        self.sum ^= folded(set_bit(&mut self.passed, index, on)).rotate_left(3);
+    }
+
+    pub(super) fn set_floor(&mut self, index: usize, on: bool) {
+        self.sum ^= folded(set_bit(&mut self.floor, index, on)).rotate_left(29);
+    }
+
     /// A new span of time begins.
     pub(super) fn begin_span(&mut self) {
         let [now, last, _] = self.lately;
@@ -189,15 +216,20 @@ impl Row {
         self.lately = cleared;
     }
 
-    pub(super) fn clear(&mut self, index: usize) {
+    /// Nothing is there; `passed`: a look has been through it.
+    pub(super) fn clear(&mut self, index: usize, passed: bool) {
         self.clear_lidar(index);
         self.set_scanned(index, false);
+        self.set_passed(index, passed);
+        self.set_floor(index, passed);
     }
 
     pub(super) fn is_whole(&self) -> bool {
         let runs = self.runs.iter().enumerate().fold(0, |sum, (index, run)| sum ^ run.word(index));
         let lately = sum_of_spans(self.lately);
-        runs ^ folded(self.by_lidar) ^ folded(self.by_scanner).rotate_left(7) ^ lately == self.sum
+        let scanned = folded(self.by_scanner).rotate_left(7) ^ folded(self.passed).rotate_left(3);
+        let lidar = folded(self.by_lidar) ^ folded(self.floor).rotate_left(29);
+        runs ^ lidar ^ scanned ^ lately == self.sum
     }
 }
 

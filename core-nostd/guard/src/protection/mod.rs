@@ -23,6 +23,9 @@ mod memory_window;
 #[cfg(test)]
 mod memory_window_tests;
 mod motion;
+mod never_seen;
+#[cfg(test)]
+mod never_seen_tests;
 mod packet_table;
 mod persistence;
 mod rear_scanner;
@@ -59,6 +62,7 @@ pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;
 pub use motion::Motion;
+pub use never_seen::Blind;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use persistence::Persistence;

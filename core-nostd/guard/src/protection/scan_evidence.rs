@@ -31,6 +31,7 @@ impl LocalMemory {
         let mounted = pose.transform(Point2::new(geometry.mounting.x_m, geometry.mounting.y_m));
         let heading_rad = pose.heading_rad + geometry.mounting.heading_rad;
         self.look_through_plane((scan, turn), geometry, (mounted, heading_rad));
+        self.look_along_ends(scan, table, (mounted, Point2::new(cos, sin)));
         let [first, last] = beams_of_sector(geometry);
         let offset = first.wrapping_add(turn % BEAM_STEP);
         let beams = scan.beams.iter().zip(scan.beams.iter().skip(1)).zip(&table.directions).enumerate();
@@ -87,7 +88,7 @@ impl LocalMemory {
 }
 
 /// Indices of the first and last beam that the robot's own body does not cover.
-fn beams_of_sector(geometry: &ScannerGeometry) -> [usize; 2] {
+pub(super) fn beams_of_sector(geometry: &ScannerGeometry) -> [usize; 2] {
     let index = |angle_rad: f32| (angle_rad - geometry.first_angle_rad) / geometry.step_rad;
     let [first_rad, last_rad] = geometry.sector_rad;
     [

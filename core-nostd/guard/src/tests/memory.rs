@@ -342,10 +342,12 @@ fn fg_req_028_a_flipped_bit_of_the_memory_is_noticed() {
     assert!(!noticed(&mut memory));
     fn word(row: &mut Row, index: usize) -> &mut u64 {
         let [now, last, before] = &mut row.lately;
-        [&mut row.by_lidar, &mut row.by_scanner, now, last, before].into_iter().nth(index).unwrap()
+        let words =
+            [&mut row.by_lidar, &mut row.by_scanner, now, last, before, &mut row.passed, &mut row.floor];
+        words.into_iter().nth(index).unwrap()
     }
     for row in 0..memory.rows.len() {
-        for index in 0..5 {
+        for index in 0..7 {
             let bit = 1 << ((row * 7 + index * 11) % 64);
             *word(&mut memory.rows[row], index) ^= bit;
             assert!(noticed(&mut memory), "row {row}");
@@ -374,7 +376,7 @@ fn fg_req_028_lone_height_in_lone_cell_is_ignored() {
     let place = Cell::of(Point2::new(1.0, 0.3));
     let obstacles = |memory: &LocalMemory| {
         let mut cells = std::vec::Vec::new();
-        memory.for_each_obstacle(&LidarRays::NONE, |cell, _| cells.push(cell));
+        memory.for_each_obstacle((&LidarRays::NONE, false), |cell, _| cells.push(cell));
         cells
     };
     for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
