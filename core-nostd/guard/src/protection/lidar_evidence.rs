@@ -44,7 +44,9 @@ const RING_GAP: f32 = 0.052;
 /// Returns nearer to each other than this have no slope, metres.
 const LEAST_RUN_M: f32 = 1.0e-3;
 /// So low over the floor the lowest ring has seen what lies there, metres.
-const OVER_FLOOR_M: f32 = 0.12;
+const OVER_FLOOR_M: f32 = 0.08;
+/// What ends lower ends on the floor, metres.
+const ON_FLOOR_M: f32 = 0.03;
 /// Cells along it there: a ring that sinks by a quarter of its way.
 const FLOOR_STEPS: u8 = 8;
 /// Parts of a cell in which its places are counted along a look.
@@ -169,11 +171,13 @@ impl LocalMemory {
         }
     }
 
-    /// Cells over which the lowest ring has passed so low that what lies under it is too low for the memory, or for any sensor.
+    /// Cells over which the lowest ring has passed so low that it would have met nearly all that the memory keeps.
     fn look_at_floor(&mut self, firing: &Firing, reaches_m: &[f32; PACKET_RINGS_MAX]) {
         let ([ray, ..], [reach_m, ..]) = (&firing.rays, reaches_m);
         let from_m = (firing.height_m - OVER_FLOOR_M) / (-ray.slope).max(1.0e-3);
-        let mut at_m = reach_m.min(REACH_M);
+        // Where it ends on an object, that begins a little before.
+        let ends_on_floor = firing.height_m + reach_m * ray.slope < ON_FLOOR_M;
+        let mut at_m = reach_m.min(REACH_M) - if ends_on_floor { 0.0 } else { BEHIND_M };
         for _ in 0..FLOOR_STEPS {
             if at_m < from_m {
                 break;

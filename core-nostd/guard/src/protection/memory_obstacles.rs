@@ -12,8 +12,10 @@ use floorguard_types::number::{exact_usize, saturating_i32};
 
 /// The near side of an object may lie so far before what was met of it, cells. A side that is hidden farther is met by the bumper.
 const HIDDEN_CELLS: [f32; 2] = [4.0, 8.0];
-/// What lies farther behind than this ahead of the robot's origin was come by, metres.
-const AHEAD_M: f32 = 0.5;
+/// The same where the lidar is now, cells.
+const UNKNOWN_CELLS: u8 = 8;
+/// So that the first cell beside an edge is another one in any direction, cells.
+const ROUNDS_UP: f32 = 0.5;
 /// What was met this little above the lowest ring is the upper edge of what the ring had passed over: noise and the size of a cell,
 /// metres, and a third of the distance to the next ring, for each metre.
 const EDGE_M: (f32, f32) = (0.02, 0.012);
@@ -31,6 +33,8 @@ pub enum Sight {
 #[derive(Clone, Copy)]
 struct Beginning {
     lidar: Point2,
+    /// Where the robot looks, of length 1.
+    ahead: Point2,
     height_m: f32,
     /// The lowest ring rises so much for each metre: less than nothing.
     slope: f32,
@@ -39,7 +43,15 @@ struct Beginning {
 impl Beginning {
     fn at(pose: Pose2, rays: &LidarRays) -> Self {
         let lidar = pose.transform(Point2::new(rays.origin.x_m, rays.origin.y_m));
-        Self { lidar, height_m: rays.origin.z_m, slope: rays.lowest_slope }
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        Self { lidar, ahead: Point2::new(cos, sin), height_m: rays.origin.z_m, slope: rays.lowest_slope }
+    }
+
+    /// A cell lies ahead of the lidar: what lies behind was come by.
+    fn is_ahead(&self, cell: Cell) -> bool {
+        let middle = cell.middle();
+        let (x_m, y_m) = (middle.x_m - self.lidar.x_m, middle.y_m - self.lidar.y_m);
+        self.ahead.x_m * x_m + self.ahead.y_m * y_m > 0.0
     }
 
     /// The lowest ring passed over a cell at this height, or a little lower, metres.
@@ -61,14 +73,14 @@ impl LocalMemory {
     /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
     /// (book, Fields of the swept body: Memory). Where the memory began such a cell may be the edge of what the lowest ring passes
     /// over: it is visited, and what it may hide (FG-REQ-068). So is what an edge ahead of the lidar may hide now, where the lidar takes in so
-    /// many firings that each direction has its turn, and the lowest ring has not seen the floor. At most 20,480.
+    /// many firings that each direction has its turn, and the lowest ring has not seen the floor. At most 45,056.
     pub fn for_each_obstacle(
         &self,
         (rays, looks_all_around): (&LidarRays, bool),
         mut visit: impl FnMut(Cell, Sight),
     ) {
-        let (beginning, pose) = (self.beginning(rays), self.pose());
-        let present = looks_all_around.then(|| Beginning::at(pose, rays));
+        let beginning = self.beginning(rays);
+        let present = looks_all_around.then(|| Beginning::at(self.pose(), rays));
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
         let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);
@@ -84,15 +96,8 @@ impl LocalMemory {
         };
         self.visit((0, 1), obstacles, |cell| {
             visit(cell, Sight::Met);
-            if let Some(present) =
-                present.filter(|present| self.is_edge(cell, present) && is_ahead(cell, pose))
-            {
-                for cells in HIDDEN_CELLS {
-                    let near = towards(cell, present.lidar, cells);
-                    if self.is_unknown(near) {
-                        visit(near, Sight::Hidden);
-                    }
-                }
+            if let Some(present) = present.filter(|present| self.is_edge(cell, present)) {
+                self.for_each_unknown(cell, present, |near| visit(near, Sight::Hidden));
             }
             let Some(beginning) = beginning.filter(|beginning| self.is_edge(cell, beginning)) else { return };
             for cells in HIDDEN_CELLS {
@@ -103,6 +108,17 @@ impl LocalMemory {
 
     fn beginning(&self, rays: &LidarRays) -> Option<Beginning> {
         Some(Beginning::at(self.began?, rays))
+    }
+
+    /// Visits the cells from an edge towards the lidar, up to the first one that is known, or that lies behind the lidar. At most 8.
+    fn for_each_unknown(&self, edge: Cell, present: Beginning, mut visit: impl FnMut(Cell)) {
+        for cells in 1..=UNKNOWN_CELLS {
+            let near = towards(edge, present.lidar, f32::from(cells) + ROUNDS_UP);
+            if !self.is_unknown(near) || !present.is_ahead(near) {
+                break;
+            }
+            visit(near);
+        }
     }
 
     /// Neither was its floor seen nor anything met in it.
@@ -143,12 +159,6 @@ impl LocalMemory {
         }
         ignored
     }
-}
-
-/// It lies ahead of the robot's origin.
-fn is_ahead(cell: Cell, pose: Pose2) -> bool {
-    let (middle, (sin, cos)) = (cell.middle(), libm::sincosf(pose.heading_rad));
-    cos * (middle.x_m - pose.x_m) + sin * (middle.y_m - pose.y_m) > AHEAD_M
 }
 
 /// The cell that lies so many nearer to a place.
