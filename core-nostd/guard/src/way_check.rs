@@ -83,6 +83,7 @@ impl Supervisor {
     /// Looks along the wanted motion, and along what the robot does meanwhile.
     pub(super) fn judge_way(&mut self, now: Stamp) {
         let pose = self.memory.pose_at(now);
+        self.memory.mark_ends();
         self.memory.forget_inside(&self.config.footprint, (pose, self.body));
         let wanted = self.possible(self.state.wanted);
         let measured = self.state.motion.wheels;

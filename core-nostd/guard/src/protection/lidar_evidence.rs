@@ -64,11 +64,15 @@ struct Pair<'a> {
 impl LocalMemory {
     /// Takes in one firing of a lidar packet: at most 40 cells of its look, and its returns up to `reach_m` from the lidar, metres
     /// in the plane.
-    pub fn take_packet(
+    pub fn take_packet(&mut self, packet: &LidarPacket, rays: (&LidarRays, &PacketTable), reach_m: f32) {
+        self.take_firing(packet, rays, (reach_m, false));
+    }
+
+    fn take_firing(
         &mut self,
         packet: &LidarPacket,
         (rays, table): (&LidarRays, &PacketTable),
-        reach_m: f32,
+        (reach_m, marks_floor): (f32, bool),
     ) {
         self.turn = self.turn.wrapping_add(FIRING_STEP);
         let index = self.turn.checked_rem(packet.columns.len()).unwrap_or(0);
@@ -81,12 +85,14 @@ impl LocalMemory {
         let firing = rays.firing(column.azimuth_cdeg, bin, self.pose_at(packet.stamp));
         let reaches_m = firing.reaches_m(column, unit_m);
         self.look_along((&firing, rays), &reaches_m);
-        self.look_at_floor(&firing, &reaches_m);
+        if marks_floor {
+            self.look_at_floor(&firing, &reaches_m);
+        }
         let pair = Pair { column, beside, unit_m, own_m: f32::from(bin.own_mm) * 1.0e-3 };
         self.meet_along(&firing, &pair, (rays.heights_m, reach_m));
     }
 
-    /// Takes in more firings of the same packet, as many as the thresholds say (FG-REQ-066).
+    /// Takes in more firings of the same packet, as many as the thresholds say (FG-REQ-066), and the floor that they see.
     pub fn take_more(
         &mut self,
         packet: &LidarPacket,
@@ -94,7 +100,7 @@ impl LocalMemory {
         thresholds: &Thresholds,
     ) {
         for _ in 1..thresholds.memory_firings.min(FIRINGS_MAX) {
-            self.take_packet(packet, rays, thresholds.memory_reach_m);
+            self.take_firing(packet, rays, (thresholds.memory_reach_m, true));
         }
     }
 
@@ -183,7 +189,7 @@ impl LocalMemory {
                 break;
             }
             if let Some((row, index)) = self.place(firing.cell_at(at_m)) {
-                row.set_floor(index, true);
+                row.set_floor(index);
             }
             at_m -= CELL_M;
         }

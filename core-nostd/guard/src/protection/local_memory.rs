@@ -10,6 +10,7 @@ use heapless::Vec;
 use super::collision::Body;
 use super::memory_row::{Row, Run, height_step};
 use super::memory_window::MemoryWindow;
+use super::never_seen::Ends;
 use super::scan_evidence::ROW_STEP;
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
@@ -90,6 +91,8 @@ pub struct LocalMemory {
     forgotten_at: Option<Stamp>,
     /// Which firing of the next packet is taken.
     pub(super) turn: usize,
+    /// What the newest scan says of the ends of its sector, until it is marked.
+    pub(super) ends: Option<Ends>,
     /// Scans so far: which beams and which rows of cells are taken.
     pub(super) scans: usize,
 }
@@ -109,6 +112,7 @@ impl LocalMemory {
         began: Some(Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 }),
         forgotten_at: None,
         turn: 0,
+        ends: None,
         scans: 0,
     };
 

@@ -191,12 +191,18 @@ impl Row {
         self.sum ^= folded(set_bit(&mut self.by_scanner, index, on)).rotate_left(7);
     }
 
-    pub(super) fn set_passed(&mut self, index: usize, on: bool) {
-        self.sum ^= folded(set_bit(&mut self.passed, index, on)).rotate_left(3);
+    /// A beam has passed through a cell.
+    pub(super) fn set_passed(&mut self, index: usize) {
+        if !has_bit(self.passed, index) {
+            self.sum ^= folded(set_bit(&mut self.passed, index, true)).rotate_left(3);
+        }
     }
 
-    pub(super) fn set_floor(&mut self, index: usize, on: bool) {
-        self.sum ^= folded(set_bit(&mut self.floor, index, on)).rotate_left(29);
+    /// The floor of a cell was seen.
+    pub(super) fn set_floor(&mut self, index: usize) {
+        if !has_bit(self.floor, index) {
+            self.sum ^= folded(set_bit(&mut self.floor, index, true)).rotate_left(29);
+        }
     }
 
     /// A new span of time begins.
@@ -220,8 +226,8 @@ impl Row {
     pub(super) fn clear(&mut self, index: usize, passed: bool) {
         self.clear_lidar(index);
         self.set_scanned(index, false);
-        self.set_passed(index, passed);
-        self.set_floor(index, passed);
+        self.sum ^= folded(set_bit(&mut self.passed, index, passed)).rotate_left(3);
+        self.sum ^= folded(set_bit(&mut self.floor, index, passed)).rotate_left(29);
     }
 
     pub(super) fn is_whole(&self) -> bool {

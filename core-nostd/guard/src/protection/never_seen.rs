@@ -10,7 +10,7 @@ use super::local_memory::{CELL_M, LocalMemory, SIDE, local};
 use super::scan_evidence::beams_of_sector;
 use super::scan_table::ScanTable;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::{count_i32, count_u32, saturating_i32};
+use floorguard_types::number::{count_i32, count_u32, exact_usize, saturating_i32};
 use floorguard_types::sensing::{BeamReturn, Scan};
 
 /// What the scanner met may go on so far, cells to each side: 0.29 m.
@@ -44,30 +44,45 @@ impl Blind {
     }
 }
 
+/// Where a scanner was when it scanned, and direction and range of its first and its last beam, metres and millimetres, in the memory's
+/// frame.
+pub(super) type Ends = (Point2, [(Point2, u16); 2]);
+
+/// Of a scan; what is unknown passes through nothing.
+pub(super) fn ends_of(scan: &Scan, table: &ScanTable, (at, turned): (Point2, Point2)) -> Ends {
+    let end = |beam: usize| {
+        let direction = table.directions.get(beam).copied().unwrap_or_default();
+        let (x, y) = (direction.x_m, direction.y_m);
+        let range_mm = match scan.beams.get(beam) {
+            Some(BeamReturn::Hit(range_mm) | BeamReturn::Free(range_mm)) => *range_mm,
+            _ => 0,
+        };
+        (Point2::new(turned.x_m * x - turned.y_m * y, turned.y_m * x + turned.x_m * y), range_mm)
+    };
+    (at, beams_of_sector(&table.geometry).map(end))
+}
+
 impl LocalMemory {
-    /// Marks what the first and the last beam of a scan have passed through. At most 40 cells.
-    pub(super) fn look_along_ends(&mut self, scan: &Scan, table: &ScanTable, (at, turned): (Point2, Point2)) {
+    /// Marks what the first and the last beam of the newest scan have passed through: at most 40 cells. Beside the decision on a scan, which has
+    /// no time for it.
+    pub fn mark_ends(&mut self) {
+        let Some((at, beams)) = self.ends.take() else { return };
         let from = self.in_window(at);
-        let (from_x, from_y) = (parts(from.x_m), parts(from.y_m));
-        for beam in beams_of_sector(&table.geometry) {
-            let (Some(BeamReturn::Hit(range_mm) | BeamReturn::Free(range_mm)), Some(direction)) =
-                (scan.beams.get(beam), table.directions.get(beam))
-            else {
-                continue;
-            };
-            let (x, y) = (direction.x_m, direction.y_m);
-            let along_x = parts(turned.x_m * x - turned.y_m * y);
-            let along_y = parts(turned.y_m * x + turned.x_m * y);
-            let passed = saturating_i32(f32::from(*range_mm) * (1.0e-3 / CELL_M));
+        let corner = (local(self.first.x), local(self.first.y));
+        for (direction, range_mm) in beams {
+            let (along_x, along_y) = (parts(direction.x_m), parts(direction.y_m));
+            let (mut x, mut y) = (parts(from.x_m), parts(from.y_m));
+            let passed = saturating_i32(f32::from(range_mm) * (1.0e-3 / CELL_M));
             for step in 0..MARKED {
-                if step >= passed {
+                let (column, line) =
+                    (exact_usize((x >> 16).cast_unsigned()), exact_usize((y >> 16).cast_unsigned()));
+                if step >= passed || column >= SIDE || line >= SIDE {
                     break;
                 }
-                let x = from_x.wrapping_add(step.wrapping_mul(along_x)) >> 16;
-                let y = from_y.wrapping_add(step.wrapping_mul(along_y)) >> 16;
-                if let Some((row, index)) = self.place(self.cell_in_window(x, y)) {
-                    row.set_passed(index, true);
+                if let Some(row) = self.rows.get_mut(corner.1.wrapping_add(line) % SIDE) {
+                    row.set_passed(corner.0.wrapping_add(column) % SIDE);
                 }
+                (x, y) = (x.wrapping_add(along_x), y.wrapping_add(along_y));
             }
         }
     }

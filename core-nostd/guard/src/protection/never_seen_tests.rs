@@ -41,6 +41,7 @@ impl Drive {
             if self.steps.is_multiple_of(4) {
                 let scan = self.scan(now, boxes);
                 self.guard.remember_scan(&scan);
+                self.guard.memory.mark_ends();
             }
         }
     }

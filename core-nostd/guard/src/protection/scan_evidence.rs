@@ -3,6 +3,7 @@
 use super::config::ScannerGeometry;
 use super::lidar_evidence::{BEHIND_M, SAME_OBSTACLE_M};
 use super::local_memory::{Cell, LocalMemory};
+use super::never_seen::ends_of;
 use super::scan_table::ScanTable;
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{nearest_f32, saturating_usize};
@@ -31,7 +32,7 @@ impl LocalMemory {
         let mounted = pose.transform(Point2::new(geometry.mounting.x_m, geometry.mounting.y_m));
         let heading_rad = pose.heading_rad + geometry.mounting.heading_rad;
         self.look_through_plane((scan, turn), geometry, (mounted, heading_rad));
-        self.look_along_ends(scan, table, (mounted, Point2::new(cos, sin)));
+        self.ends = Some(ends_of(scan, table, (mounted, Point2::new(cos, sin))));
         let [first, last] = beams_of_sector(geometry);
         let offset = first.wrapping_add(turn % BEAM_STEP);
         let beams = scan.beams.iter().zip(scan.beams.iter().skip(1)).zip(&table.directions).enumerate();
