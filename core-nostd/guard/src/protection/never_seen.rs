@@ -49,7 +49,11 @@ impl Blind {
 pub(super) type Ends = (Point2, [(Point2, u16); 2]);
 
 /// Of a scan; what is unknown passes through nothing.
-pub(super) fn ends_of(scan: &Scan, table: &ScanTable, (at, turned): (Point2, Point2)) -> Ends {
+pub(super) fn ends_of(
+    scan: &Scan,
+    (table, sector): (&ScanTable, [usize; 2]),
+    (at, turned): (Point2, Point2),
+) -> Ends {
     let end = |beam: usize| {
         let direction = table.directions.get(beam).copied().unwrap_or_default();
         let (x, y) = (direction.x_m, direction.y_m);
@@ -59,7 +63,7 @@ pub(super) fn ends_of(scan: &Scan, table: &ScanTable, (at, turned): (Point2, Poi
         };
         (Point2::new(turned.x_m * x - turned.y_m * y, turned.y_m * x + turned.x_m * y), range_mm)
     };
-    (at, beams_of_sector(&table.geometry).map(end))
+    (at, sector.map(end))
 }
 
 impl LocalMemory {

@@ -31,9 +31,10 @@ impl LocalMemory {
         let geometry = &table.geometry;
         let mounted = pose.transform(Point2::new(geometry.mounting.x_m, geometry.mounting.y_m));
         let heading_rad = pose.heading_rad + geometry.mounting.heading_rad;
-        self.look_through_plane((scan, turn), geometry, (mounted, heading_rad));
-        self.ends = Some(ends_of(scan, table, (mounted, Point2::new(cos, sin))));
-        let [first, last] = beams_of_sector(geometry);
+        let sector = beams_of_sector(geometry);
+        self.look_through_plane((scan, turn), (geometry, sector), (mounted, heading_rad));
+        self.ends = Some(ends_of(scan, (table, sector), (mounted, Point2::new(cos, sin))));
+        let [first, last] = sector;
         let offset = first.wrapping_add(turn % BEAM_STEP);
         let beams = scan.beams.iter().zip(scan.beams.iter().skip(1)).zip(&table.directions).enumerate();
         for (index, ((beam, beside), direction)) in beams.skip(offset).step_by(BEAM_STEP) {
@@ -59,10 +60,9 @@ impl LocalMemory {
     fn look_through_plane(
         &mut self,
         (scan, turn): (&Scan, usize),
-        geometry: &ScannerGeometry,
+        (geometry, [first, last]): (&ScannerGeometry, [usize; 2]),
         (at, heading_rad): (Point2, f32),
     ) {
-        let [first, last] = beams_of_sector(geometry);
         let per_rad = 1.0 / geometry.step_rad;
         let mut seen_through = heapless::Vec::<Cell, SEEN_THROUGH_MAX>::new();
         self.for_each_scanned(turn % ROW_STEP, |cell| {
