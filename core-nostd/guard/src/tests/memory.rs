@@ -341,10 +341,8 @@ fn fg_req_028_a_flipped_bit_of_the_memory_is_noticed() {
     let noticed = |memory: &mut LocalMemory| (0..16).any(|_| !memory.check_next());
     assert!(!noticed(&mut memory));
     fn word(row: &mut Row, index: usize) -> &mut u64 {
-        let [now, last, before] = &mut row.lately;
-        let words =
-            [&mut row.by_lidar, &mut row.by_scanner, now, last, before, &mut row.passed, &mut row.floor];
-        words.into_iter().nth(index).unwrap()
+        let Row { by_lidar, by_scanner, lately: [now, last, before], passed, floor, .. } = row;
+        [by_lidar, by_scanner, now, last, before, passed, floor].into_iter().nth(index).unwrap()
     }
     for row in 0..memory.rows.len() {
         for index in 0..7 {
