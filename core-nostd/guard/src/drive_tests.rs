@@ -187,7 +187,7 @@ fn fg_req_068_narrow_end_met_at_the_start_stays() {
 /// What hid a low box goes away when the lowest ring passes over its near side already: nothing has been seen of that side. A box that was
 /// in sight has been met as near as it is.
 #[test]
-fn fg_req_068_near_side_that_was_never_in_sight_is_hidden() {
+fn fg_req_068_side_never_in_sight_is_hidden() {
     let mut config = config();
     config.thresholds.memory_firings = 8;
     config.lidar.floor_clearance_m = 0.08;

@@ -76,11 +76,11 @@ impl LocalMemory {
     /// many firings that each direction has its turn, and the lowest ring has not seen the floor. At most 45,056.
     pub fn for_each_obstacle(
         &self,
-        (rays, looks_all_around): (&LidarRays, bool),
+        (rays, knows_floor): (&LidarRays, bool),
         mut visit: impl FnMut(Cell, Sight),
     ) {
         let beginning = self.beginning(rays);
-        let present = looks_all_around.then(|| Beginning::at(self.pose(), rays));
+        let present = knows_floor.then(|| Beginning::at(self.pose(), rays));
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
         let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);

@@ -77,7 +77,7 @@ impl Drive {
 
 /// The scanner meets the far end of a box that stands beside the flank: its near corner, to which the flank turns, was never seen.
 #[test]
-fn fg_req_069_near_side_of_what_stood_there_is_in_the_way() {
+fn fg_req_069_near_side_never_seen_holds() {
     let mut drive = Drive::begin();
     drive.go(Twist2::ZERO, 0.5, &[BESIDE]);
     assert!(drive.has_near(Point2::new(0.22, -0.45)), "{:?}", drive.never_seen());
@@ -89,7 +89,7 @@ fn fg_req_069_near_side_of_what_stood_there_is_in_the_way() {
 
 /// What the robot comes by was looked through around the object, whatever the speed, and when it turns away from it, too.
 #[test]
-fn fg_req_069_what_the_robot_comes_by_is_seen() {
+fn fg_req_069_what_is_come_by_is_seen() {
     for (mps, gap_m) in [(0.25, 0.12), (0.5, 0.05), (0.5, 0.3), (1.0, 0.12), (1.0, 0.3)] {
         let beside = [[2.0, 2.6], [-0.9 - gap_m, -0.4 - gap_m]];
         let along = [[-3.0, 9.0], [0.4 + gap_m, 0.9 + gap_m]];

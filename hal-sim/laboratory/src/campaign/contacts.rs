@@ -343,7 +343,7 @@ mod tests {
     /// Boxes beside the flank of which the scanner meets the far side alone, and boxes of which the lidar met the upper part behind what its
     /// lowest ring passes over: beside a robot that turns, and behind a post.
     #[test]
-    fn fg_req_069_near_sides_that_were_never_seen_hold() {
+    fn fg_req_069_near_sides_never_seen_hold() {
         for (seed, trial) in [(8, 441), (8, 486), (8, 240), (7, 1_282)] {
             let row = contact_trial(seed, trial);
             assert!(row.passed && row.missed_stops == 0, "{trial}: {:?} {:?}", row.failures, row.contacts);
