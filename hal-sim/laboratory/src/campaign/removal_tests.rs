@@ -60,7 +60,7 @@ const CASES: [Case; 21] = [
     case("box-160", Removal::Inputs),
     case("low-box-4", Removal::Bumpers),
     case("edge", Removal::FloorSwitches),
-    Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-6", Removal::EmergencyStop) },
+    Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-4", Removal::EmergencyStop) },
     case("box-30", Removal::ScanRule),
     case("board-70", Removal::LidarRule),
     case("board-70", Removal::ProtectiveRules),
