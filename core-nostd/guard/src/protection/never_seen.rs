@@ -19,6 +19,9 @@ const GOES_ON: usize = 4;
 const MARKED: i32 = 20;
 /// Places farther from the body than this are not asked for, metres.
 const AROUND_M: f32 = 0.6;
+/// So far behind the first or the last beam it has passed through a cell, metres: half a cell, and what a robot at its greatest speed goes
+/// until a scan is taken in.
+const PASSED_M: f32 = 0.1;
 
 /// What a scanner does not see: between its last beam and its first one.
 #[derive(Clone, Copy)]
@@ -40,7 +43,7 @@ impl Blind {
     fn has(&self, place: Point2) -> bool {
         let to = Point2::new(place.x_m - self.at.x_m, place.y_m - self.at.y_m);
         let left_of = |of: Point2| of.x_m * to.y_m - of.y_m * to.x_m;
-        left_of(self.last) > 0.0 && left_of(self.first) < 0.0
+        left_of(self.last) > PASSED_M && left_of(self.first) < -PASSED_M
     }
 }
 
