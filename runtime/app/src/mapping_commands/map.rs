@@ -51,11 +51,13 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
     let mut summary = summarise(&mapper, &map, read.counters, began.elapsed().as_secs_f64());
     summary.notes.extend(drive.notes.iter().cloned());
     summary.notes.extend(read.ended.iter().map(|why| format!("{why}; everything before is in the map")));
-    let mut files = map_files(&mapper, &map, &trajectory);
     let names: Vec<String> = arguments.files.iter().map(|file| file.display().to_string()).collect();
-    files.push(OutputFile::new("summary.json", serde_json::to_string_pretty(&summary)? + "\n"));
-    files.push(OutputFile::new("report.html", document(&summary, &names)));
-    replace_folder(&out, &files).map_err(|error| BadInput(error.to_string()))?;
+    let about = [
+        OutputFile::new("summary.json", serde_json::to_string_pretty(&summary)? + "\n"),
+        OutputFile::new("report.html", document(&summary, &names)),
+    ];
+    replace_folder(&out, map_files(&mapper, &map, &trajectory).chain(about))
+        .map_err(|error| BadInput(error.to_string()))?;
     checkpoint.remove();
     conclude((arguments.json, &out), &summary, read.ended)
 }

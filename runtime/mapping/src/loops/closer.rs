@@ -63,7 +63,7 @@ pub(super) struct Waiting {
 }
 
 /// Fields that are kept: some megabytes each.
-const FIELDS_KEPT: usize = 12;
+const FIELDS_KEPT: usize = 4;
 /// Blocks that a search can keep.
 const BLOCKS: usize = 200_000;
 
@@ -71,6 +71,10 @@ impl LoopCloser {
     /// Nothing yet.
     #[must_use]
     pub fn new(config: LoopConfig) -> Self {
+        Self { blocks: vec![Candidate::default(); BLOCKS], ..Self::without_room(config) }
+    }
+
+    fn without_room(config: LoopConfig) -> Self {
         Self {
             config,
             stretches: Vec::new(),
@@ -79,9 +83,21 @@ impl LoopCloser {
             links: Vec::new(),
             next_node: 0,
             cells: Vec::new(),
-            blocks: vec![Candidate::default(); BLOCKS],
+            blocks: Vec::new(),
             statistics: LoopStatistics::default(),
         }
+    }
+
+    /// Another one with nothing found yet. It takes the room of this one's searches over, which ends their fields.
+    #[must_use]
+    pub fn again(&mut self) -> Self {
+        self.fields = VecDeque::new();
+        Self { blocks: std::mem::take(&mut self.blocks), ..Self::without_room(self.config) }
+    }
+
+    /// Takes the room back, for a mapping that goes on.
+    pub fn take_room(&mut self, other: Self) {
+        self.blocks = other.blocks;
     }
 
     /// Cuts off the next stretch that has become complete, and names the earlier ones that it is to be compared with; `poses` are

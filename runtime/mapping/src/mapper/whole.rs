@@ -197,8 +197,9 @@ impl Mapper {
         for (node, pose) in nodes.iter_mut().zip(&self.poses) {
             node.pose = *pose;
         }
-        let mut closer = LoopCloser::new(self.config.loops);
+        let mut closer = self.closer.again();
         let mut found = closer.search_all((&nodes, &self.views), &self.poses, true);
+        self.closer.take_room(closer);
         found.retain(|edge| {
             let is_known = self.loops.iter().any(|known| [known.from, known.to] == [edge.from, edge.to]);
             let error = edge.error(self.poses[edge.from], self.poses[edge.to]);

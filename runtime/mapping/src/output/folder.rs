@@ -1,6 +1,7 @@
 //! A folder of files that is there as a whole or not at all: written beside its place, forced to the disk, and put in its
 //! place in one step. Whenever the power fails, the place holds the former folder or the new one.
 
+use std::borrow::Borrow;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -57,7 +58,10 @@ pub fn check_place(folder: &Path) -> Result<(), ReplaceError> {
 ///
 /// # Errors
 /// See [`ReplaceError`]; in each case the former folder is as it was.
-pub fn replace_folder(folder: &Path, files: &[OutputFile]) -> Result<(), ReplaceError> {
+pub fn replace_folder(
+    folder: &Path,
+    files: impl IntoIterator<Item = impl Borrow<OutputFile>>,
+) -> Result<(), ReplaceError> {
     check_place(folder)?;
     let name = folder.file_name().ok_or_else(|| ReplaceError::NoPlace(folder.to_owned()))?;
     let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -79,10 +83,14 @@ pub fn replace_folder(folder: &Path, files: &[OutputFile]) -> Result<(), Replace
     written
 }
 
-fn write_all(folder: &Path, files: &[OutputFile]) -> Result<(), ReplaceError> {
+fn write_all(
+    folder: &Path,
+    files: impl IntoIterator<Item = impl Borrow<OutputFile>>,
+) -> Result<(), ReplaceError> {
     let mut folders = vec![folder.to_owned()];
     fs::create_dir(folder).map_err(|cause| ReplaceError::Write { path: folder.to_owned(), cause })?;
     for file in files {
+        let file = file.borrow();
         let path = folder.join(&file.name);
         write_one(&path, &file.bytes, &mut folders)
             .map_err(|cause| ReplaceError::Write { path: path.clone(), cause })?;

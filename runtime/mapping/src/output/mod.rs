@@ -19,6 +19,6 @@ pub use folder::{MARKER, MARKER_3D, ReplaceError, check_place, replace_folder};
 pub use las::{LasPoint, cloud_las, las};
 pub use map_server::{pgm, yaml};
 pub use picture::{Picture, draw};
-pub use submaps::{SubMap, SubMapConfig, index_text, sub_maps};
+pub use submaps::{INDEX_HEAD, SubMap, SubMapConfig, SubMaps, index_line};
 pub use top_view::{TopView, draw_top_view};
 pub use window_view::{ColourOf, PlanLayer, draw_faces, draw_plan, picture_png, plan_map};

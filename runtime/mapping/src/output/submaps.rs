@@ -1,8 +1,6 @@
 //! Sub-maps: the path in pieces of some metres, each with a small map in its own frame. Who corrects the graph moves the
 //! frames and need not look at a beam again.
 
-use std::fmt::Write as _;
-
 use crate::front_end::Node;
 use crate::grid_map::{GridMap, GridMapConfig, build_grid_map};
 use crate::se2::Se2;
@@ -39,23 +37,52 @@ pub struct SubMap {
     pub map: GridMap,
 }
 
-/// Cuts the path; pieces in which nothing was seen are left out. `poses` are those of the kept scans.
-#[must_use]
-pub fn sub_maps(nodes: &[Node], poses: &[Se2], config: &SubMapConfig) -> Vec<SubMap> {
-    let mut maps = Vec::new();
-    let (mut first, mut path_m) = (0, 0.0);
-    let count = nodes.len().min(poses.len());
-    for node in 0..count {
-        if node > first {
-            path_m += poses[node - 1].distance(poses[node]);
-        }
-        let is_full = path_m >= config.path_m || node + 1 - first >= config.nodes_max.max(1);
-        if is_full || node + 1 == count {
-            maps.extend(sub_map(nodes, poses, [first, node], &config.grid));
-            (first, path_m) = (node + 1, 0.0);
-        }
+/// The sub-maps of a path, in its order, each made when it is asked for; pieces in which nothing was seen are left out.
+pub struct SubMaps<'a> {
+    nodes: &'a [Node],
+    poses: Vec<Se2>,
+    config: SubMapConfig,
+    /// First kept scan of the next piece.
+    first: usize,
+}
+
+impl<'a> SubMaps<'a> {
+    /// Of kept scans and their poses in the map.
+    #[must_use]
+    pub const fn new(nodes: &'a [Node], poses: Vec<Se2>, config: SubMapConfig) -> Self {
+        Self { nodes, poses, config, first: 0 }
     }
-    maps
+
+    /// Last kept scan of the piece that begins at one.
+    fn last_of(&self, first: usize, count: usize) -> usize {
+        let mut path_m = 0.0;
+        for node in first..count {
+            if node > first {
+                path_m += self.poses[node - 1].distance(self.poses[node]);
+            }
+            if path_m >= self.config.path_m || node + 1 - first >= self.config.nodes_max.max(1) {
+                return node;
+            }
+        }
+        count - 1
+    }
+}
+
+impl Iterator for SubMaps<'_> {
+    type Item = SubMap;
+
+    fn next(&mut self) -> Option<SubMap> {
+        let count = self.nodes.len().min(self.poses.len());
+        while self.first < count {
+            let piece = [self.first, self.last_of(self.first, count)];
+            self.first = piece[1] + 1;
+            let map = sub_map(self.nodes, &self.poses, piece, &self.config.grid);
+            if map.is_some() {
+                return map;
+            }
+        }
+        None
+    }
 }
 
 fn sub_map(nodes: &[Node], poses: &[Se2], [first, last]: [usize; 2], grid: &GridMapConfig) -> Option<SubMap> {
@@ -71,19 +98,15 @@ fn sub_map(nodes: &[Node], poses: &[Se2], [first, last]: [usize; 2], grid: &Grid
     })
 }
 
-/// The list of the sub-maps: a line of names, then a line each, separated by spaces. File `NAME.yaml` is a `map_server`
-/// pair whose origin is in the frame of the sub-map.
+/// First line of the list of the sub-maps: the names of what each further line holds, separated by spaces.
+pub const INDEX_HEAD: &str = "# file x_m y_m heading_rad first_vertex last_vertex from_s to_s\n";
+
+/// A sub-map's line of the list. File `NAME.yaml` is a `map_server` pair whose origin is in the frame of the sub-map.
 #[must_use]
-pub fn index_text(maps: &[SubMap], names: &[String]) -> String {
-    let mut text = String::from("# file x_m y_m heading_rad first_vertex last_vertex from_s to_s\n");
-    for (map, name) in maps.iter().zip(names) {
-        let (pose, [from_s, to_s]) = (map.pose, map.times_s);
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{name}.yaml {:.6} {:.6} {:.9} {} {} {from_s:.6} {to_s:.6}",
-            pose.x_m, pose.y_m, pose.heading_rad, map.first_node, map.last_node
-        );
-    }
-    text
+pub fn index_line(map: &SubMap, name: &str) -> String {
+    let (pose, [from_s, to_s]) = (map.pose, map.times_s);
+    format!(
+        "{name}.yaml {:.6} {:.6} {:.9} {} {} {from_s:.6} {to_s:.6}\n",
+        pose.x_m, pose.y_m, pose.heading_rad, map.first_node, map.last_node
+    )
 }

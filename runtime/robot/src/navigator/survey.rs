@@ -164,7 +164,7 @@ impl Survey {
         let scanner = self.mapper.matched_trajectory();
         let path: Vec<(f64, Se2)> =
             scanner.into_iter().map(|(time_s, pose)| (time_s, pose.compose(base_in_scanner))).collect();
-        let files = map_files(&self.mapper, &map, &path);
+        let files = map_files(&self.mapper, &map, &path).collect();
         let (kept_scans, loops) = (self.mapper.tracker.nodes.len(), self.mapper.loops.len());
         Ok(SurveyedMap { map, files, kept_scans, loops })
     }
