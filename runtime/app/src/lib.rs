@@ -3,9 +3,11 @@
 #[macro_use]
 extern crate floorguard_host;
 
+pub mod cameras;
 pub mod commands;
 pub mod doctor;
 pub mod evaluation;
+pub(crate) mod files;
 pub mod learning;
 pub mod mapping_commands;
 pub mod recordings;

@@ -4,6 +4,7 @@
 
 pub mod calibrate;
 pub mod clean;
+pub mod colouring;
 pub mod front_end;
 pub mod grid_map;
 pub mod input;

@@ -2,9 +2,8 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::mapping_commands::{
-    CalibrateArguments, CleanArguments, LocaliseArguments, Map3dArguments, MapArguments,
-};
+use crate::cameras::CalibrateArguments;
+use crate::mapping_commands::{CleanArguments, LocaliseArguments, Map3dArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// From a robot's file to the proof and the explanation of a day.
@@ -124,7 +123,7 @@ pub enum Command {
     Calibrate(CalibrateArguments),
     #[cfg(feature = "detector")]
     /// Find people in pictures by a detector that you bring, for `clean-map --boxes`.
-    DetectPeople(crate::mapping_commands::DetectArguments),
+    DetectPeople(crate::cameras::DetectArguments),
     /// See with a lidar that a motor turns: surfaces around the robot, floor and ceiling, people, from a recording or a simulated
     /// room.
     Window(crate::window::WindowArguments),

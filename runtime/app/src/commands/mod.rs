@@ -73,7 +73,9 @@ pub use simulate::SimulateArguments;
 pub use tape::TapeArguments;
 pub use tour::TourArguments;
 
-use crate::{doctor, evaluation, learning, mapping_commands, recordings, reports, robot_file, window};
+use crate::{
+    cameras, doctor, evaluation, learning, mapping_commands, recordings, reports, robot_file, window,
+};
 
 /// Runs the command.
 ///
@@ -96,9 +98,9 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
         Some(Command::Map3d(arguments)) => mapping_commands::map3d(&arguments),
         Some(Command::CleanMap(arguments)) => mapping_commands::clean_map(&arguments),
-        Some(Command::Calibrate(arguments)) => mapping_commands::calibrate(&arguments),
+        Some(Command::Calibrate(arguments)) => cameras::calibrate(&arguments),
         #[cfg(feature = "detector")]
-        Some(Command::DetectPeople(arguments)) => mapping_commands::detect_people(&arguments),
+        Some(Command::DetectPeople(arguments)) => cameras::detect_people(&arguments),
         Some(Command::Window(arguments)) => window::run(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Manual(arguments)) => manual::run(&arguments),

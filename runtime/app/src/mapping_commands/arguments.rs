@@ -145,6 +145,12 @@ pub struct Map3dArguments {
     /// What the colour of the cloud shows.
     #[arg(long, default_value = "height")]
     pub colour: ColourArgument,
+    /// The camera beside the lidar and where it is mounted, for `--colour camera` (JSON, as `calibrate camera-lidar` writes it).
+    #[arg(long, value_name = "CAMERA.json", required_if_eq("colour", "camera"))]
+    pub camera: Option<PathBuf>,
+    /// Its pictures: a folder of PNG or JPEG files whose names end in their times, or a ROS 2 bag; without it, those in the first FILE.
+    #[arg(long, value_name = "DIR|BAG", requires = "camera")]
+    pub pictures: Option<PathBuf>,
     /// The summary as one JSON object on standard output.
     #[arg(long)]
     pub json: bool,
@@ -170,6 +176,8 @@ pub enum ColourArgument {
     Time,
     /// Dark to bright.
     Reflectivity,
+    /// The colour in pictures of a camera; grey where none shows the point.
+    Camera,
 }
 
 /// What to find in which map.

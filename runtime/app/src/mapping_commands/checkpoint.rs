@@ -8,7 +8,7 @@ use floorguard_host::outcome::BadInput;
 use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 
 use super::arguments::MapArguments;
-use super::files::write_whole;
+use crate::files::write_whole;
 
 /// The state is written this often.
 const EVERY: Duration = Duration::from_secs(5);

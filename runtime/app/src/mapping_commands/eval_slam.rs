@@ -11,7 +11,7 @@ use floorguard_mapping_host::metrics::{
 use serde_json::{Value, json};
 
 use super::arguments::SlamArguments;
-use super::files::text;
+use crate::files::text;
 
 /// As the command line says for each.
 const TOLERANCE_RELATIONS_S: f64 = 0.1;

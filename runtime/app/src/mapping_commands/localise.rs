@@ -13,9 +13,9 @@ use floorguard_mapping_host::output::{MARKER, OutputFile, check_place, map_serve
 use serde_json::json;
 
 use super::arguments::LocaliseArguments;
-use super::files::{grid_map, write_whole};
 use super::input::Drive;
 use super::progress::Progress;
+use crate::files::{grid_map, write_whole};
 
 /// The file of evidence in a folder of a map.
 const EVIDENCE: &str = "evidence.txt";

@@ -7,7 +7,7 @@ use floorguard_host::words::counted;
 use floorguard_mapping::lidar_odometry::{FloorPrior, MotionAid, OdometryConfig};
 use floorguard_mapping_host::lego_loam::{LegoLoamConfig, LegoMapper};
 use floorguard_mapping_host::lidar3d::{
-    Colour, Mapper3, Mapper3Config, SpaceMap, SpaceMapper, las, pcd, ply,
+    CloudPoint, Colour, Mapper3, Mapper3Config, SpaceMap, SpaceMapper, colours_of, las, pcd, ply,
 };
 use floorguard_mapping_host::metrics::write_tum_in_space;
 use floorguard_mapping_host::output::{MARKER_3D, OutputFile, check_place, replace_folder};
@@ -15,6 +15,7 @@ use floorguard_mapping_host::turn_angle_rad;
 use serde::Serialize;
 
 use super::arguments::{ColourArgument, Map3dArguments, MethodArgument};
+use super::camera_colours::{PictureCounts, camera_colours};
 use super::input::{SpaceDrive, SweepsRead};
 use super::progress::Progress;
 
@@ -59,6 +60,9 @@ struct Map3dSummary {
     displacement_m: f64,
     turned_deg: f64,
     cloud_points: usize,
+    /// Of `--colour camera`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pictures: Option<PictureCounts>,
     /// Cubes of the map of planes, and those given up because their place was taken.
     cubes: u32,
     cubes_replaced: u32,
@@ -86,15 +90,35 @@ pub fn run(arguments: &Map3dArguments) -> anyhow::Result<()> {
         drive.aids.are_there().map(|is| is && arguments.uses_aids());
     (summary.took_s, summary.ms_per_sweep) =
         (began.elapsed().as_secs_f64(), 1.0e3 * worked_s / map.counters.sweeps.max(1) as f64);
+    let (colours, pictures) = colours(&map, &points, arguments)?;
+    summary.pictures = pictures;
     let files = [
         OutputFile::new("trajectory.tum", write_tum_in_space(&map.trajectory)),
-        OutputFile::new("cloud.ply", ply(&points, arguments.colour.into())),
+        OutputFile::new("cloud.ply", ply(&points, &colours)),
         OutputFile::new("cloud.pcd", pcd(&points)),
-        OutputFile::new("cloud.las", las(&points, arguments.colour.into())?),
+        OutputFile::new("cloud.las", las(&points, &colours)?),
         OutputFile::new(MARKER_3D, serde_json::to_string_pretty(&summary)? + "\n"),
     ];
     replace_folder(&arguments.out, &files).map_err(|error| BadInput(error.to_string()))?;
     conclude(arguments, &summary, read.ended)
+}
+
+/// The colour of each point; and what became of the pictures, where they are the colour.
+fn colours(
+    map: &SpaceMap,
+    points: &[CloudPoint],
+    arguments: &Map3dArguments,
+) -> anyhow::Result<(Vec<[u8; 3]>, Option<PictureCounts>)> {
+    let shown = match arguments.colour {
+        ColourArgument::Height => Colour::Height,
+        ColourArgument::Time => Colour::Time,
+        ColourArgument::Reflectivity => Colour::Reflectivity,
+        ColourArgument::Camera => {
+            let (colours, counts) = camera_colours((map, points), arguments)?;
+            return Ok((colours, Some(counts)));
+        }
+    };
+    Ok((colours_of(points, shown), None))
 }
 
 /// Runs the drive through the mapper; and the seconds that the mapper took.
@@ -168,6 +192,7 @@ fn summarise(map: &SpaceMap, read: &SweepsRead, cloud_points: usize) -> Map3dSum
             turn_angle_rad(&first.rotation.rotation_to(&last.rotation)).to_degrees()
         }),
         cloud_points,
+        pictures: None,
         cubes,
         cubes_replaced,
         took_s: 0.0,
@@ -232,6 +257,11 @@ fn conclude(arguments: &Map3dArguments, summary: &Map3dSummary, ended: Option<St
             let used: Vec<&str> = names.iter().filter(|(is, _)| *is).map(|(_, name)| *name).collect();
             say!("  with {}", used.join(" and "));
         }
+        if let Some(pictures) = &summary.pictures {
+            let share = 100 * pictures.points_coloured / summary.cloud_points.max(1);
+            let of = counted(pictures.pictures, "picture");
+            say!("  {} of {of} give {share} % of the points their colour", pictures.used);
+        }
         say!("  {} recognised", counted(summary.loops_believed as u64, "place"));
         say!("  took {:.1} s, {:.2} ms a sweep", summary.took_s, summary.ms_per_sweep);
         summary.notes.iter().for_each(|note| say!("  note: {note}"));
@@ -244,16 +274,6 @@ fn conclude(arguments: &Map3dArguments, summary: &Map3dSummary, ended: Option<St
             Err(VerdictFailed(format!("the map is doubtful: {}", summary.doubts.join("; "))).into())
         }
         None => Ok(()),
-    }
-}
-
-impl From<ColourArgument> for Colour {
-    fn from(colour: ColourArgument) -> Self {
-        match colour {
-            ColourArgument::Height => Self::Height,
-            ColourArgument::Time => Self::Time,
-            ColourArgument::Reflectivity => Self::Reflectivity,
-        }
     }
 }
 

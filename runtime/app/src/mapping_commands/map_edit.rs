@@ -6,7 +6,7 @@ use floorguard_mapping_host::grid_map::{GridMap, Zone};
 use floorguard_mapping_host::output::{check_place, map_server_files, replace_folder};
 
 use super::arguments::{Corners, MapEditArguments};
-use super::files::grid_map;
+use crate::files::grid_map;
 
 /// Runs the command.
 ///

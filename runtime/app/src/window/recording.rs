@@ -9,7 +9,7 @@ use floorguard_types::geometry::Point3;
 use floorguard_types::time::Stamp;
 
 use super::arguments::WindowArguments;
-use crate::mapping_commands::text;
+use crate::files::text;
 
 /// An angle belongs to a scan if it was received at most so long before or after it, seconds.
 const GAP_S: f64 = 0.3;

@@ -21,6 +21,8 @@ mod report_command;
 mod safety_layer_page;
 mod seen_support;
 mod slam_commands;
+mod space_colours;
+mod space_room;
 mod status_report;
 mod terminal;
 mod written_languages;

@@ -13,9 +13,16 @@ pub enum Colour {
     Reflectivity,
 }
 
-/// PLY: x, y, z, colour, reflectivity and time.
+/// The colour of each point, red, green and blue: what the points themselves say.
 #[must_use]
-pub fn ply(points: &[CloudPoint], colour: Colour) -> Vec<u8> {
+pub fn colours_of(points: &[CloudPoint], colour: Colour) -> Vec<[u8; 3]> {
+    let range = Range::of(points, colour);
+    points.iter().map(|point| range.colour(point)).collect()
+}
+
+/// PLY: x, y, z, colour, reflectivity and time. `colours` are those of the points; a point without one is black.
+#[must_use]
+pub fn ply(points: &[CloudPoint], colours: &[[u8; 3]]) -> Vec<u8> {
     let header = format!(
         "ply\nformat binary_little_endian 1.0\ncomment metres, x forward, y left, z up\nelement vertex {}\n\
          property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
@@ -23,10 +30,9 @@ pub fn ply(points: &[CloudPoint], colour: Colour) -> Vec<u8> {
         points.len()
     );
     let mut bytes = header.into_bytes();
-    let range = Range::of(points, colour);
-    for point in points {
+    for (index, point) in points.iter().enumerate() {
         bytes.extend(point.place_m.iter().flat_map(|value| value.to_le_bytes()));
-        bytes.extend(range.colour(point));
+        bytes.extend(colours.get(index).copied().unwrap_or_default());
         bytes.extend(point.reflectivity.to_le_bytes());
         bytes.extend(point.time_s.to_le_bytes());
     }
@@ -51,7 +57,7 @@ pub fn pcd(points: &[CloudPoint]) -> Vec<u8> {
 }
 
 /// The values that the two ends of the scale of colours stand for.
-pub(super) struct Range {
+struct Range {
     shown: fn(&CloudPoint) -> f32,
     low: f32,
     high: f32,
@@ -60,7 +66,7 @@ pub(super) struct Range {
 
 impl Range {
     /// Without the highest and lowest hundredth, so that single points do not pale all others.
-    pub(super) fn of(points: &[CloudPoint], colour: Colour) -> Self {
+    fn of(points: &[CloudPoint], colour: Colour) -> Self {
         let shown: fn(&CloudPoint) -> f32 = match colour {
             Colour::Height => |point| point.place_m.z,
             Colour::Time => |point| point.time_s,
@@ -72,7 +78,7 @@ impl Range {
         Self { shown, low: at(1), high: at(99), grey: colour == Colour::Reflectivity }
     }
 
-    pub(super) fn colour(&self, point: &CloudPoint) -> [u8; 3] {
+    fn colour(&self, point: &CloudPoint) -> [u8; 3] {
         let share = ((self.shown)(point) - self.low) / (self.high - self.low).max(1.0e-6);
         let share = share.clamp(0.0, 1.0);
         let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)) as u8;
@@ -103,7 +109,7 @@ mod tests {
 
     #[test]
     fn ply_has_23_bytes_a_point() {
-        let bytes = ply(&points(), Colour::Height);
+        let bytes = ply(&points(), &colours_of(&points(), Colour::Height));
         let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
         assert_eq!(bytes.len() - end, 3 * 23);
         assert_eq!(bytes[end..end + 4], 1.0_f32.to_le_bytes());

@@ -11,7 +11,7 @@ mod sweep;
 
 pub use closing::{KeySweep, SmallPoints, SpaceCloser, SpaceCloserConfig, SpaceCloserCounters};
 pub use cloud::{CloudPoint, SurfaceCloud};
-pub use export::{Colour, pcd, ply};
+pub use export::{Colour, colours_of, pcd, ply};
 pub use las::{LasError, las};
 pub(crate) use mapper::timed_pose;
 pub use mapper::{Mapper3, Mapper3Config};

@@ -8,4 +8,4 @@ pub use errors::{
     ErrorStatistics, PosePair, RelativeErrors, StepLength, absolute_errors, associate, relative_errors,
 };
 pub use relations::{Relation, RelationError, RelationScore, read_relations, score_relations};
-pub use trajectory::{TimedPose, TumError, read_tum, write_tum, write_tum_in_space};
+pub use trajectory::{TimedPose, TumError, pose_at, read_tum, write_tum, write_tum_in_space};

@@ -75,6 +75,25 @@ pub fn write_tum_in_space(trajectory: &[TimedPose]) -> String {
     text
 }
 
+/// The pose at a time between two of a trajectory, the turn along the shortest way; `None` before the first one, after the last one, and in
+/// a gap longer than `gap_s`.
+#[must_use]
+pub fn pose_at(trajectory: &[TimedPose], time_s: f64, gap_s: f64) -> Option<TimedPose> {
+    let after = trajectory.partition_point(|pose| pose.time_s < time_s);
+    let next = trajectory.get(after)?;
+    let Some(before) = after.checked_sub(1).and_then(|before| trajectory.get(before)) else {
+        return (next.time_s <= time_s).then_some(*next);
+    };
+    let passed_s = next.time_s - before.time_s;
+    let share = (time_s - before.time_s) / passed_s;
+    let rotation = before.rotation.try_slerp(&next.rotation, share, 1.0e-12).unwrap_or(next.rotation);
+    (passed_s <= gap_s).then(|| TimedPose {
+        time_s,
+        place_m: before.place_m.lerp(&next.place_m, share),
+        rotation,
+    })
+}
+
 impl TimedPose {
     /// On the floor: place and heading.
     #[must_use]

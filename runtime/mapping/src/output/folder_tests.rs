@@ -18,7 +18,7 @@ fn version(folder: &Path) -> Option<String> {
 fn former_map_stays_until_the_new_is_whole() {
     let home = tempfile::tempdir().unwrap();
     let place = home.path().join("hall");
-    replace_folder(&place, &files("1")).unwrap();
+    replace_folder(&place, files("1")).unwrap();
     assert_eq!(version(&place).as_deref(), Some("1"));
     // Power fails after every byte of the preparation: the former map is whole, and the next run does not mind.
     let all: usize = files("2").iter().map(|file| file.bytes.len()).sum();
@@ -34,8 +34,8 @@ fn former_map_stays_until_the_new_is_whole() {
         assert_eq!(version(&place).as_deref(), Some("1"), "cut after {cut} bytes");
         fs::remove_dir_all(&beside).unwrap();
     }
-    write_all(&home.path().join(".hall.new"), &files("damaged")).unwrap();
-    replace_folder(&place, &files("2")).unwrap();
+    write_all(&home.path().join(".hall.new"), files("damaged")).unwrap();
+    replace_folder(&place, files("2")).unwrap();
     assert_eq!(version(&place).as_deref(), Some("2"));
     assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1, "nothing is left beside it");
 }
@@ -45,7 +45,7 @@ fn former_map_stays_until_the_new_is_whole() {
 fn readers_never_see_a_mixture() {
     let home = tempfile::tempdir().unwrap();
     let place = home.path().join("hall");
-    replace_folder(&place, &files("0")).unwrap();
+    replace_folder(&place, files("0")).unwrap();
     let reader = place.clone();
     let done = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
     let ended = done.clone();
@@ -57,7 +57,7 @@ fn readers_never_see_a_mixture() {
         absent
     });
     for round in 1..30 {
-        replace_folder(&place, &files(&round.to_string())).unwrap();
+        replace_folder(&place, files(&round.to_string())).unwrap();
     }
     done.store(true, std::sync::atomic::Ordering::Relaxed);
     assert_eq!(watched.join().unwrap(), 0);
@@ -70,8 +70,8 @@ fn folder_with_other_files_is_refused() {
     fs::create_dir(&place).unwrap();
     assert!(check_place(&place).is_ok(), "empty");
     fs::write(place.join("letter.txt"), "words").unwrap();
-    assert!(matches!(replace_folder(&place, &files("1")), Err(ReplaceError::Foreign(_))));
+    assert!(matches!(replace_folder(&place, files("1")), Err(ReplaceError::Foreign(_))));
     assert_eq!(fs::read_to_string(place.join("letter.txt")).unwrap(), "words");
     let file = place.join("letter.txt");
-    assert!(matches!(replace_folder(&file, &files("1")), Err(ReplaceError::NoPlace(_))));
+    assert!(matches!(replace_folder(&file, files("1")), Err(ReplaceError::NoPlace(_))));
 }

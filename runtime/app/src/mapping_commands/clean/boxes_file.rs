@@ -14,7 +14,7 @@ use floorguard_recording::detections::{DetectedBox, is_detections, read_detectio
 use floorguard_types::sensing::Pixel;
 use serde::Deserialize;
 
-use super::super::files::text;
+use crate::files::text;
 use crate::recordings::MCAP_MAGIC;
 
 /// What a person is called: usual names, the number in detectors of COCO's 80 classes, or nothing.

@@ -8,7 +8,6 @@ use floorguard_mapping_host::clean::{
     CleanConfig, Cleaner, PeopleInImages, PersonBoxes, RawSweep, Thinned, Track,
 };
 
-use super::super::camera_file::CameraFile;
 use super::super::progress::Progress;
 use super::arguments::{BoxMethod, CleanArguments};
 use super::boxes_file::read_boxes;
@@ -16,6 +15,7 @@ use super::people::boxes;
 use super::report::report;
 use super::result::{CleanSummary, Cleaned, prepare, write};
 use super::surveys::{ABSOLUTE_S, Survey, open};
+use crate::cameras::CameraFile;
 
 /// Runs the command.
 ///

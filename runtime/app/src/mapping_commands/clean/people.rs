@@ -6,7 +6,7 @@ use floorguard_host::outcome::BadInput;
 use floorguard_mapping::people_removal::{RemovalBox, RemovalSize};
 use floorguard_types::geometry::Point3;
 
-use super::super::files::text;
+use crate::files::text;
 
 /// A box for each line; `floor_m` is the height of the floor in the map.
 ///

@@ -14,7 +14,7 @@ use floorguard_types::geometry::{Point3, Pose2};
 use floorguard_types::time::Stamp;
 use serde::Serialize;
 
-use super::super::files::write_whole;
+use crate::files::write_whole;
 
 /// The figures; field names say the units.
 #[derive(Clone, Debug, Default, Serialize)]

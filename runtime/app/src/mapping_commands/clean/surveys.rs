@@ -7,10 +7,10 @@ use floorguard_host::outcome::{BadInput, WrongUsage};
 use floorguard_mapping_host::clean::{SweepTracker, Track};
 use floorguard_mapping_host::metrics::{TimedPose, read_tum};
 
-use super::super::files::text;
 use super::super::progress::Progress;
 use super::arguments::CleanArguments;
 use super::input::SweepFile;
+use crate::files::text;
 
 /// Times of poses below this are seconds since the first packet; a capture bears the time of day.
 pub const ABSOLUTE_S: f64 = 1.0e8;

@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use floorguard_detector::RgbPicture;
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::unpacked;
 use floorguard_recording::Recording;
@@ -12,8 +11,21 @@ use floorguard_recording::picture_messages::{Pixels, is_picture, read_picture};
 use floorguard_robot::camera::stamp_of_name;
 use floorguard_types::time::Stamp;
 
+/// A colour picture.
+pub struct TakenPicture {
+    /// When it was taken.
+    pub stamp: Stamp,
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// Row by row, three octets a pixel: as many as the size says.
+    pub rgb: Vec<u8>,
+}
+
+/// Size and pixels.
+type Pixmap = ([u32; 2], Vec<u8>);
+
 /// Takes pictures one by one.
-pub type Sink<'a> = dyn FnMut(Stamp, RgbPicture) -> anyhow::Result<()> + 'a;
+pub type Sink<'a> = dyn FnMut(TakenPicture) -> anyhow::Result<()> + 'a;
 
 /// Hands over every picture.
 ///
@@ -46,7 +58,8 @@ fn of_folder(folder: &Path, each: &mut Sink<'_>) -> anyhow::Result<()> {
     files.sort();
     for (stamp_us, path) in files {
         let bytes = std::fs::read(&path).map_err(|error| bad(&path, &error))?;
-        each(Stamp::from_micros(stamp_us), picture(&bytes).map_err(|what| bad(&path, &what))?)?;
+        let (size, rgb) = picture(&bytes).map_err(|what| bad(&path, &what))?;
+        each(TakenPicture { stamp: Stamp::from_micros(stamp_us), size, rgb })?;
     }
     Ok(())
 }
@@ -69,19 +82,20 @@ fn of_bag(path: &Path, each: &mut Sink<'_>) -> anyhow::Result<()> {
                 rows([width, height], &encoding, (step, octets))
             }
         };
-        each(found.stamp, picture.map_err(|what| bad(&format!("{}: {what}", message.topic)))?)?;
+        let (size, rgb) = picture.map_err(|what| bad(&format!("{}: {what}", message.topic)))?;
+        each(TakenPicture { stamp: found.stamp, size, rgb })?;
     }
     Ok(topic.map(|_| ()).ok_or_else(|| bad(&"no CompressedImage and no Image in it"))?)
 }
 
 /// A JPEG or PNG file.
-fn picture(bytes: &[u8]) -> Result<RgbPicture, String> {
+fn picture(bytes: &[u8]) -> Result<Pixmap, String> {
     let image = image::load_from_memory(bytes).map_err(|error| error.to_string())?.into_rgb8();
-    RgbPicture::new([image.width(), image.height()], image.into_raw()).map_err(|error| error.to_string())
+    Ok(([image.width(), image.height()], image.into_raw()))
 }
 
 /// Rows of a message.
-fn rows(size: [u32; 2], encoding: &str, (step, octets): (usize, &[u8])) -> Result<RgbPicture, String> {
+fn rows(size: [u32; 2], encoding: &str, (step, octets): (usize, &[u8])) -> Result<Pixmap, String> {
     let (channels, order) = match encoding {
         "rgb8" => (3, [0, 1, 2]),
         "bgr8" => (3, [2, 1, 0]),
@@ -91,8 +105,8 @@ fn rows(size: [u32; 2], encoding: &str, (step, octets): (usize, &[u8])) -> Resul
         other => return Err(format!("pictures as {other:?}; rgb8, bgr8, rgba8, bgra8 and mono8 are read")),
     };
     let [width, height] = size.map(|side| side as usize);
-    let is_whole = step >= width * channels && octets.len() >= step.saturating_mul(height);
-    if !is_whole || step == 0 {
+    let is_whole = step >= width.saturating_mul(channels) && octets.len() >= step.saturating_mul(height);
+    if !is_whole || step == 0 || width == 0 || height == 0 {
         return Err("the sizes of the picture contradict each other".to_owned());
     }
     let mut found = Vec::with_capacity(3 * width * height);
@@ -101,5 +115,5 @@ fn rows(size: [u32; 2], encoding: &str, (step, octets): (usize, &[u8])) -> Resul
             found.extend(order.map(|channel| pixel[channel]));
         }
     }
-    RgbPicture::new(size, found).map_err(|error| error.to_string())
+    Ok((size, found))
 }

@@ -10,7 +10,7 @@ use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::sensing::PinholeCamera;
 use serde::{Deserialize, Serialize};
 
-use super::files::text;
+use crate::files::text;
 
 /// JSON; lengths of the lists are part of the format.
 #[derive(Clone, Debug, Deserialize, Serialize)]

@@ -12,8 +12,8 @@ use floorguard_mapping::people_removal::PersonBox;
 use floorguard_types::time::{Age, Stamp};
 use serde_json::{Value, json};
 
-use super::super::files::write_whole;
-use super::pictures::for_each_picture;
+use super::pictures::{TakenPicture, for_each_picture};
+use crate::files::write_whole;
 
 /// What to look for people in.
 #[derive(Clone, Debug, Args)]
@@ -61,7 +61,8 @@ pub fn run(arguments: &DetectArguments) -> anyhow::Result<()> {
         paced(arguments, detector)?
     } else {
         let mut found = Vec::new();
-        for_each_picture(&arguments.pictures, &mut |stamp, picture| {
+        for_each_picture(&arguments.pictures, &mut |taken| {
+            let (stamp, picture) = rgb(taken)?;
             let people = detector.detect(&picture).map_err(|error| bad(&error))?;
             found.push(Found { stamp, size: picture.size(), people: Ok(people) });
             Ok(())
@@ -99,7 +100,8 @@ fn paced(arguments: &DetectArguments, detector: Detector) -> anyhow::Result<(Vec
     let thread = DetectorThread::start(detector)?;
     let (began, mut first) = (Instant::now(), None::<Stamp>);
     let mut found = Vec::new();
-    for_each_picture(&arguments.pictures, &mut |stamp, picture: RgbPicture| {
+    for_each_picture(&arguments.pictures, &mut |taken| {
+        let (stamp, picture) = rgb(taken)?;
         let first = *first.get_or_insert(stamp);
         if let Age::Past(age_us) = first.age(stamp) {
             std::thread::sleep(Duration::from_micros(age_us).saturating_sub(began.elapsed()));
@@ -111,6 +113,11 @@ fn paced(arguments: &DetectArguments, detector: Detector) -> anyhow::Result<(Vec
     let (last, counts) = thread.finish();
     found.extend(last);
     Ok((found, counts))
+}
+
+fn rgb(taken: TakenPicture) -> anyhow::Result<(Stamp, RgbPicture)> {
+    let size = taken.size;
+    Ok((taken.stamp, RgbPicture::new(size, taken.rgb).map_err(|error| BadInput(error.to_string()))?))
 }
 
 fn row(found: &Found) -> Result<Value, String> {

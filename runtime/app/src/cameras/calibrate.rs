@@ -11,7 +11,7 @@ use floorguard_mapping_host::calibrate::{
 use serde::Serialize;
 
 use super::camera_file::CameraFile;
-use super::files::{text, write_whole};
+use crate::files::{text, write_whole};
 
 /// What to calibrate.
 #[derive(Clone, Debug, Args)]
