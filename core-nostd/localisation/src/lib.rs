@@ -22,6 +22,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod graph_mapping;
 mod motion_model;
 pub mod odometry;
 mod range_model;

@@ -26,8 +26,7 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
         let [fine, coarse] = storage;
         let mut field =
             Self { fine: Grid::new(geometry, fine)?, coarse: Grid::new(geometry, coarse)?, reach_m };
-        field.fine.values_mut().fill(0);
-        field.coarse.values_mut().fill(0);
+        field.clear();
         Ok(field)
     }
 
@@ -36,6 +35,12 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
         let geometry = *self.fine.geometry();
         let stamp = Stamp { geometry, reach_m: self.reach_m, shift: COARSE_SHIFT };
         stamp.write(self.fine.values_mut(), self.coarse.values_mut(), point);
+    }
+
+    /// Forgets all returns.
+    pub fn clear(&mut self) {
+        self.fine.values_mut().fill(0);
+        self.coarse.values_mut().fill(0);
     }
 
     /// The levels, fine first.
