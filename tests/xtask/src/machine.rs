@@ -35,6 +35,11 @@ pub fn has_emulator() -> bool {
     shell::is_installed(EMULATOR)
 }
 
+/// The emulator of 64-bit ARM programs, under either of its names.
+pub fn user_emulator() -> Option<&'static str> {
+    ["qemu-aarch64-static", "qemu-aarch64"].into_iter().find(|name| shell::is_installed(name))
+}
+
 /// Lets apt install the emulator, which needs root. False if that did not work.
 pub fn add_emulator() -> Result<bool> {
     Ok(install(&[EMULATOR])? && has_emulator())

@@ -24,6 +24,7 @@ mod package;
 mod panel_check;
 mod program;
 mod reproduce;
+mod same_bits;
 mod setup;
 mod stack;
 mod targets;
@@ -73,6 +74,8 @@ enum Command {
     Targets(targets::Options),
     /// Pack the robot's program for Debian, with unit, device rules and example.
     Package(package::Options),
+    /// Play a run and map a log with the program for arm64, emulated, and compare with this computer's, bit for bit.
+    SameBits(same_bits::Options),
     /// Write the book's pages of measured figures from docs/evidence/figures; --check only compares.
     Figures(figures::Options),
     /// Repeat published experiments, beside the published figures.
@@ -111,6 +114,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::PanelCheck(options) => panel_check::run(&options),
         Command::Targets(options) => targets::run(&options),
         Command::Package(options) => package::run(&options),
+        Command::SameBits(options) => same_bits::run(&options),
         Command::Figures(options) => figures::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     }

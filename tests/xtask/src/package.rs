@@ -62,6 +62,14 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(true)
 }
 
+/// The program with simulator for a processor by Debian's name.
+///
+/// # Errors
+/// There is none for it, it does not build, or a tool is missing, which is named.
+pub fn program_for(debian: &str) -> Result<PathBuf> {
+    build(architecture(Some(debian))?, true)
+}
+
 fn architecture(named: Option<&str>) -> Result<&'static Architecture> {
     let here = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let is_it = |one: &&Architecture| named.map_or(one.target == here, |named| one.debian == named);
