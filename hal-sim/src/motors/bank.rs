@@ -1,7 +1,10 @@
 //! All controllers of a base.
 
+use std::collections::BTreeSet;
+
 use super::odrive::OdriveAxis;
 use super::roboteq::RoboteqController;
+use super::roboteq_bus::RoboteqBusController;
 use super::vesc::VescController;
 use super::wheel_line::WheelController;
 use crate::can::CanFrame;
@@ -15,6 +18,8 @@ pub enum MotorKind {
     Vesc,
     /// Roboteq with two channels on a serial line.
     Roboteq,
+    /// Roboteq on a bus; wheels with one number are the channels of one controller.
+    RoboteqCan,
     /// The wheel line.
     WheelLine,
 }
@@ -62,6 +67,7 @@ enum Controllers {
     Odrive(Vec<OdriveAxis>),
     Vesc(Vec<VescController>),
     Roboteq(RoboteqController),
+    RoboteqCan(Vec<RoboteqBusController>),
     WheelLine(WheelController),
 }
 
@@ -86,6 +92,12 @@ impl MotorBank {
                 Controllers::Vesc(nodes().map(|node| VescController::new(node, silence_us)).collect())
             }
             MotorKind::Roboteq => Controllers::Roboteq(RoboteqController::default()),
+            MotorKind::RoboteqCan => {
+                let different: BTreeSet<u8> = nodes().collect();
+                let channels = |node: u8| nodes().filter(|of_wheel| *of_wheel == node).count() as u8;
+                let new = |node| RoboteqBusController::new(node, channels(node), parameters.watchdog_ms);
+                Controllers::RoboteqCan(different.into_iter().map(new).collect())
+            }
             MotorKind::WheelLine => Controllers::WheelLine(WheelController::new(parameters.wheels)),
         };
         Self { parameters, controllers }
@@ -107,6 +119,9 @@ impl MotorBank {
             Controllers::Roboteq(controller) => {
                 in_frames(&controller.receive(frame.payload(), now_us), out);
             }
+            Controllers::RoboteqCan(controllers) => {
+                controllers.iter_mut().for_each(|controller| controller.receive(frame, now_us, out));
+            }
             Controllers::WheelLine(controller) => controller.receive(frame.payload(), now_us),
         }
     }
@@ -117,6 +132,9 @@ impl MotorBank {
             Controllers::Odrive(axes) => axes.iter_mut().for_each(OdriveAxis::cut_power),
             Controllers::Vesc(controllers) => controllers.iter_mut().for_each(VescController::cut_power),
             Controllers::Roboteq(controller) => controller.cut_power(),
+            Controllers::RoboteqCan(controllers) => {
+                controllers.iter_mut().for_each(RoboteqBusController::cut_power);
+            }
             Controllers::WheelLine(controller) => controller.cut_power(),
         }
     }
@@ -146,6 +164,15 @@ impl MotorBank {
                 }
             }
             Controllers::Roboteq(controller) => controller.tick((now_us, step_s), turning),
+            Controllers::RoboteqCan(controllers) => {
+                let nodes = self.parameters.nodes;
+                for controller in controllers {
+                    let of_wheels = nodes.iter().zip(turning).take(self.parameters.wheels);
+                    let own = of_wheels.filter(|(node, _)| **node == controller.id());
+                    let own: Vec<Turning> = own.map(|(_, turning)| turning).collect();
+                    controller.tick((now_us, step_s), &own, out);
+                }
+            }
             Controllers::WheelLine(controller) => {
                 in_frames(&controller.tick((now_us, step_s), turning), out);
             }
@@ -165,6 +192,15 @@ impl MotorBank {
                 controllers.iter().map(|controller| controller.demand_turns_per_s(pole_pairs)).collect()
             }
             Controllers::Roboteq(controller) => controller.demands_turns_per_s().to_vec(),
+            Controllers::RoboteqCan(controllers) => {
+                let MotorParameters { nodes, wheels, .. } = self.parameters;
+                let of_wheel = |wheel: usize| {
+                    let controller = controllers.iter().find(|controller| controller.id() == nodes[wheel])?;
+                    let channel = nodes.iter().take(wheel).filter(|node| **node == nodes[wheel]).count();
+                    controller.demand_turns_per_s(channel)
+                };
+                (0..wheels).map(of_wheel).collect()
+            }
             // A metre is a turn there.
             Controllers::WheelLine(controller) => controller.demands_mps(),
         };

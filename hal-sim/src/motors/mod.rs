@@ -4,6 +4,7 @@
 mod bank;
 mod odrive;
 mod roboteq;
+mod roboteq_bus;
 mod text;
 mod vesc;
 mod wheel_line;
