@@ -13,7 +13,7 @@ use super::link::{Link, Order, Taken, Wheels};
 use super::watchdog::WatchdogCheck;
 use super::wheel::Condition;
 use crate::can::CanFrame;
-use crate::canopen::{Emergency, NodeConfigurator, master_heartbeat, sync_frame};
+use crate::canopen::{ConfigurationFailure, Emergency, NodeConfigurator, master_heartbeat, sync_frame};
 use crate::flexisoft::SafetyImage;
 use crate::three_wheel_base::following_error::FollowingErrorMonitor;
 use crate::three_wheel_base::{BaseConfiguration, BaseCounters, BaseEvent, StopKind};
@@ -74,7 +74,7 @@ impl MotorDrives {
         let inputs = (configuration.inputs_node != 0)
             .then(|| NodeConfigurator::new(configuration.inputs_node, BaseConfiguration::inputs_script()));
         Self {
-            link: Link::new(configuration.protocol),
+            link: Link::new(&configuration),
             wheels: Wheels::default(),
             command: WheelCommand::default(),
             targets: SideTargets::default(),
@@ -158,7 +158,7 @@ impl MotorDrives {
     /// Ten milliseconds have passed: a step of the ramp and of the watchdogs' check, commands, and what the gateway needs.
     pub fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
         self.lose_silent(now, event);
-        self.link.step();
+        self.link.step(now, &mut self.wheels, send);
         self.reset_polls = self.reset_polls.saturating_sub(1);
         self.ramp();
         self.check_watchdogs(now);
@@ -233,6 +233,10 @@ impl MotorDrives {
         }
         if let Some(is_set) = self.link.watchdog_read() {
             self.watchdog = if is_set { WatchdogCheck::Passed } else { WatchdogCheck::Pending };
+            if !is_set {
+                // What is not shown any more drives no further: the controller leads the wheels down by its own ramp.
+                self.targets = SideTargets::default();
+            }
             return;
         }
         let stands = self.fastest_mps().is_some_and(|mps| mps < STANDS_MPS);
@@ -319,6 +323,12 @@ impl MotorDrives {
         known.take(self.configuration.wheel_count()).map(|(node, wheel)| (node, wheel.heard.is_some()))
     }
 
+    /// Why a controller refuses to be configured; none where it does not, or where there is nothing to configure.
+    #[must_use]
+    pub fn refusal(&self, node: u8) -> Option<ConfigurationFailure> {
+        self.link.refusal(node)
+    }
+
     /// The gateway of the safety controller.
     #[must_use]
     pub const fn gateway(&self) -> Option<&NodeConfigurator> {
@@ -342,6 +352,9 @@ impl MotorDrives {
 const fn unchecked(protocol: MotorProtocol) -> WatchdogCheck {
     match protocol {
         MotorProtocol::Vesc => WatchdogCheck::Unknowable,
-        MotorProtocol::Odrive | MotorProtocol::Roboteq | MotorProtocol::WheelLine => WatchdogCheck::Pending,
+        MotorProtocol::Odrive
+        | MotorProtocol::Roboteq
+        | MotorProtocol::RoboteqCan
+        | MotorProtocol::WheelLine => WatchdogCheck::Pending,
     }
 }

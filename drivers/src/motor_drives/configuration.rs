@@ -13,6 +13,8 @@ pub enum MotorProtocol {
     Vesc,
     /// Roboteq with two channels, serial line.
     Roboteq,
+    /// Roboteq, CANopen; wheels with one number are the channels of one controller.
+    RoboteqCan,
     /// The wheel line.
     WheelLine,
 }

@@ -4,11 +4,13 @@ use floorguard_types::time::Stamp;
 
 use super::configuration::{MotorDrivesConfiguration, MotorProtocol};
 use super::odrive_link::OdriveLink;
+use super::roboteq_bus_link::RoboteqBusLink;
 use super::roboteq_link::RoboteqLink;
 use super::vesc_link::VescLink;
 use super::wheel::Wheel;
 use super::wheel_line_link::WheelLineLink;
 use crate::can::CanFrame;
+use crate::canopen::ConfigurationFailure;
 use crate::wheel_drives::configuration::WHEELS_MAX;
 
 /// What was heard.
@@ -42,15 +44,17 @@ pub(super) enum Link {
     Odrive(OdriveLink),
     Vesc(VescLink),
     Roboteq(RoboteqLink),
+    RoboteqCan(RoboteqBusLink),
     WheelLine(WheelLineLink),
 }
 
 impl Link {
-    pub fn new(protocol: MotorProtocol) -> Self {
-        match protocol {
+    pub fn new(bus: &MotorDrivesConfiguration) -> Self {
+        match bus.protocol {
             MotorProtocol::Odrive => Self::Odrive(OdriveLink::default()),
             MotorProtocol::Vesc => Self::Vesc(VescLink),
             MotorProtocol::Roboteq => Self::Roboteq(RoboteqLink::default()),
+            MotorProtocol::RoboteqCan => Self::RoboteqCan(RoboteqBusLink::new(bus)),
             MotorProtocol::WheelLine => Self::WheelLine(WheelLineLink::default()),
         }
     }
@@ -65,14 +69,16 @@ impl Link {
             Self::Odrive(_) => OdriveLink::take(frame, (now, bus), wheels),
             Self::Vesc(_) => VescLink::take(frame, (now, bus), wheels),
             Self::Roboteq(link) => link.take(frame, (now, bus), wheels),
+            Self::RoboteqCan(link) => link.take(frame, (now, bus), wheels),
             Self::WheelLine(link) => link.take(frame, (now, bus), wheels),
         }
     }
 
-    /// Ten milliseconds have passed.
-    pub fn step(&mut self) {
+    /// Ten milliseconds have passed; sends what a controller needs before it can be commanded.
+    pub fn step(&mut self, now: Stamp, wheels: &mut Wheels, send: &mut impl FnMut(&CanFrame)) {
         match self {
             Self::Odrive(link) => link.step(),
+            Self::RoboteqCan(link) => link.attend(now, wheels, send),
             Self::Vesc(_) => {}
             Self::Roboteq(link) => link.step(),
             Self::WheelLine(link) => link.renew(),
@@ -87,10 +93,11 @@ impl Link {
     }
 
     /// A controller is gone.
-    pub const fn forget(&mut self) {
+    pub fn forget(&mut self) {
         match self {
             Self::WheelLine(link) => link.forget(),
             Self::Roboteq(link) => link.forget(),
+            Self::RoboteqCan(link) => link.forget(),
             Self::Odrive(_) | Self::Vesc(_) => {}
         }
     }
@@ -105,6 +112,7 @@ impl Link {
             Self::Odrive(link) => link.send(order, (bus, wheels), send),
             Self::Vesc(_) => VescLink::send(order, bus, send),
             Self::Roboteq(link) => link.send(order, (bus, wheels), send),
+            Self::RoboteqCan(link) => link.send(order, (bus, wheels), send),
             Self::WheelLine(link) => link.send(order, bus, send),
         }
     }
@@ -114,14 +122,24 @@ impl Link {
         match self {
             Self::Odrive(_) => OdriveLink::send_emergency(bus, send),
             Self::Roboteq(_) => RoboteqLink::send_emergency(send),
+            Self::RoboteqCan(link) => link.send_emergency(send),
             Self::Vesc(_) | Self::WheelLine(_) => {}
         }
     }
 
+    /// Why a controller refuses to be configured.
+    pub fn refusal(&self, node: u8) -> Option<ConfigurationFailure> {
+        match self {
+            Self::RoboteqCan(link) => link.refusal(node),
+            _ => None,
+        }
+    }
+
     /// The controller's watchdog is shown by reading it back.
-    pub const fn watchdog_read(&self) -> Option<bool> {
+    pub fn watchdog_read(&self) -> Option<bool> {
         match self {
             Self::Roboteq(link) => Some(link.is_watchdog_set()),
+            Self::RoboteqCan(link) => Some(link.is_watchdog_set()),
             _ => None,
         }
     }

@@ -1,5 +1,5 @@
-//! A base whose wheels have motor controllers other than CiA 402 drives: ODrive or VESC on a CAN bus, Roboteq or a wheel line on a serial
-//! one (book, Motor controllers).
+//! A base whose wheels have motor controllers other than CiA 402 drives: ODrive, VESC or Roboteq on a CAN bus, Roboteq or a wheel line on a
+//! serial one (book, Motor controllers).
 //!
 //! One master for all: it leads the wheels to their speeds together, as [`wheel_drives`](crate::wheel_drives) does, and does not drive
 //! before it knows that a controller stops by itself when the computer is silent, wherever the controller can show it. A serial line
@@ -10,6 +10,7 @@ mod configuration;
 mod judgement;
 mod link;
 mod odrive_link;
+mod roboteq_bus_link;
 mod roboteq_link;
 mod vesc_link;
 mod watchdog;
@@ -22,3 +23,5 @@ pub use watchdog::WatchdogCheck;
 
 #[cfg(test)]
 mod base_tests;
+#[cfg(test)]
+mod roboteq_bus_tests;

@@ -18,7 +18,7 @@ const CHANNELS: usize = 2;
 const ASK_POLLS: u8 = 2;
 const SET_POLLS: u8 = 20;
 /// A fault is this and its flags.
-const FAULT_CODE: u16 = 0x0E00;
+pub(super) const FAULT_CODE: u16 = 0x0E00;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct RoboteqLink {

@@ -323,4 +323,54 @@ mod tests {
             assert!(refused.contains(words), "{words} is not in: {refused}");
         }
     }
+
+    const ROBOTEQ: &str = "kind = \"differential\"\ndrives = \"roboteq-can\"\nmetres_per_turn = 0.02\ncounts_per_turn = 2000\nreversed = \
+         \"left\"\nbrakes = true";
+
+    /// The example robot with a Roboteq on its bus.
+    fn with_roboteq(nodes: &str) -> String {
+        on_wheels(ROBOTEQ, nodes)
+            .replace("wheelbase_m = 0.80\n", "")
+            .replace("ticks_per_m = 20000.0\n", "")
+            .replace("dirt_sensor_node = 6\n", "")
+    }
+
+    #[test]
+    fn roboteq_on_bus_shares_its_number() {
+        let text = with_roboteq("left_drive_node = 1\nright_drive_node = 1\n");
+        let robot = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).robot;
+        let motors = robot.motor_drives().expect("controllers");
+        assert_eq!((motors.protocol, motors.nodes), (MotorProtocol::RoboteqCan, [1, 1, 0, 0]));
+        assert_eq!((motors.counts_per_turn, motors.metres_per_turn[0]), (2_000.0, -0.02));
+        assert_eq!(robot.geometry.ticks_per_m, 100_000.0);
+        // What it cannot show by itself is named.
+        let text = crate::motors::shortcomings(&motors).join("\n");
+        assert!(text.contains("user variable 1") && text.contains("1 to 200 ms"), "{text}");
+    }
+
+    #[test]
+    fn wrong_numbers_of_a_roboteq_are_refused() {
+        let four = |numbers: [u8; 4]| {
+            let keys = ["front_left", "front_right", "rear_left", "rear_right"];
+            let lines =
+                keys.iter().zip(numbers).map(|(key, number)| format!("{key}_drive_node = {number}\n"));
+            let text =
+                on_wheels(&ROBOTEQ.replace("differential", "omnidirectional"), &lines.collect::<String>());
+            text.replace("ticks_per_m = 20000.0\n", "").replace("dirt_sensor_node = 6\n", "")
+        };
+        let _ = parse("robot.toml", &four([1, 1, 2, 2])).unwrap_or_else(|refused| panic!("{refused}"));
+        for (text, words) in [
+            (four([1, 1, 1, 2]), "one or two Roboteqs with two channels each"),
+            (four([1, 2, 3, 4]), "one or two Roboteqs with two channels each"),
+            (
+                with_roboteq("left_drive_node = 5\nright_drive_node = 5\n"),
+                "`inputs_node` 5 are not different",
+            ),
+            (with_roboteq("left_drive_node = 1\nright_drive_node = 127\n"), "`right_drive_node` is 127"),
+            (with_roboteq("left_drive_node = 1\n"), "`right_drive_node` is missing"),
+        ] {
+            let refused = parse("robot.toml", &text).expect_err(words).to_string();
+            assert!(refused.contains(words), "{words} is not in: {refused}");
+        }
+    }
 }

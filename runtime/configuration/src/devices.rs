@@ -110,21 +110,17 @@ pub(super) fn read_motor_bus(
     (protocol, has_inputs): (MotorProtocol, bool),
 ) -> Option<(CanConfiguration, CanAddress)> {
     let source = read_source(&section, "socketcan:can0", CanAddress::parse);
-    let most = if protocol == MotorProtocol::Odrive { 63 } else { 254 };
+    let most = match protocol {
+        MotorProtocol::Odrive => 63,
+        MotorProtocol::RoboteqCan => 126,
+        _ => 254,
+    };
     let mut wheel_nodes = [0; 4];
     for (node, key) in wheel_nodes.iter_mut().zip(wheel_keys(wheels)) {
         *node = section.integer(key, 1..=most) as u8;
     }
     let inputs_node = if has_inputs { section.integer("inputs_node", 1..=127) as u8 } else { 0 };
-    let fitted = wheel_nodes.iter().filter(|node| **node != 0);
-    let different: std::collections::BTreeSet<u8> = fitted.clone().copied().collect();
-    if section.good_so_far() && different.len() < fitted.count() {
-        section.refuse(
-            section.span(),
-            format!("[can]: node numbers {wheel_nodes:?} are not different"),
-            "give every controller its own number",
-        );
-    }
+    refuse_numbers(&section, protocol, (&wheel_nodes, inputs_node));
     // Five bits of the identifier are the message: other numbers have identifiers of CANopen.
     let is_clear = |node: &u8| matches!(node, 0..=3 | 60..=63);
     if protocol == MotorProtocol::Odrive && has_inputs && !wheel_nodes.iter().all(is_clear) {
@@ -136,6 +132,41 @@ pub(super) fn read_motor_bus(
     }
     section.finish();
     Some((CanConfiguration { wheel_nodes, inputs_node, ..CanConfiguration::default() }, source?))
+}
+
+/// Controllers have numbers of their own; the wheels of a Roboteq's channels share its number.
+fn refuse_numbers(section: &Reader<'_>, protocol: MotorProtocol, (wheel_nodes, inputs_node): (&[u8; 4], u8)) {
+    if !section.good_so_far() {
+        return;
+    }
+    let fitted: Vec<u8> = wheel_nodes.iter().copied().filter(|node| *node != 0).collect();
+    let different: std::collections::BTreeSet<u8> = fitted.iter().copied().collect();
+    if protocol != MotorProtocol::RoboteqCan {
+        if different.len() < fitted.len() {
+            section.refuse(
+                section.span(),
+                format!("[can]: node numbers {wheel_nodes:?} are not different"),
+                "give every controller its own number",
+            );
+        }
+        return;
+    }
+    let channels = |node: &u8| fitted.iter().filter(|of_wheel| *of_wheel == node).count();
+    if different.len() > 2 || different.iter().any(|node| channels(node) > 2) {
+        section.refuse(
+            section.span(),
+            format!("[can]: node numbers {wheel_nodes:?} are not those of one or two Roboteqs with two channels each"),
+            "write the number of a controller for each of its wheels, for example front wheels 1, rear wheels 2; the wheel that is named \
+             first is its channel 1",
+        );
+    }
+    if different.contains(&inputs_node) {
+        section.refuse(
+            section.span(),
+            format!("[can]: node numbers {wheel_nodes:?} and `inputs_node` {inputs_node} are not different"),
+            "give the safety controller's gateway its own number",
+        );
+    }
 }
 
 /// The devices of the base on the bus: which there are, the wheels say.

@@ -1,6 +1,7 @@
 //! Controllers of the wheels other than CiA 402 drives: what `[base]` says of them (book, Motor controllers).
 
 use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
+use floorguard_drivers::roboteq::WATCHDOG_VARIABLE;
 
 use super::address::SerialAddress;
 use super::devices::read_serial;
@@ -8,11 +9,12 @@ use super::reader::Reader;
 use super::wheels::Wheels;
 
 /// As `drives` names them; CiA 402 drives are none of these.
-pub(super) const PROTOCOLS: [(&str, Option<MotorProtocol>); 5] = [
+pub(super) const PROTOCOLS: [(&str, Option<MotorProtocol>); 6] = [
     ("cia402", None),
     ("odrive", Some(MotorProtocol::Odrive)),
     ("vesc", Some(MotorProtocol::Vesc)),
     ("roboteq", Some(MotorProtocol::Roboteq)),
+    ("roboteq-can", Some(MotorProtocol::RoboteqCan)),
     ("wheel-line", Some(MotorProtocol::WheelLine)),
 ];
 
@@ -72,7 +74,9 @@ pub(super) fn read_motors(
     let counts_per_turn = match protocol {
         MotorProtocol::Odrive | MotorProtocol::WheelLine => STEPS_PER_TURN,
         MotorProtocol::Vesc => STEPS_PER_ELECTRICAL_TURN * pole_pairs,
-        MotorProtocol::Roboteq => section.integer("counts_per_turn", 4..=1_000_000) as f32,
+        MotorProtocol::Roboteq | MotorProtocol::RoboteqCan => {
+            section.integer("counts_per_turn", 4..=1_000_000) as f32
+        }
     };
     let reversed = section.choice("reversed", &REVERSED)?;
     let [left_m, right_m] = reversed.map(|is_reversed| if is_reversed { -travel_m } else { travel_m });
@@ -107,6 +111,12 @@ pub(super) fn shortcomings(motors: &MotorDrivesConfiguration) -> Vec<String> {
         MotorProtocol::Odrive => lines.push(
             "[base] drives: an ODrive whose watchdog acts takes the torque away and does not brake".to_owned(),
         ),
+        MotorProtocol::RoboteqCan => lines.push(format!(
+            "[base] drives: no CANopen object of a Roboteq tells its watchdog: a script in the controller sets it and shows it in user \
+             variable {WATCHDOG_VARIABLE} (book, Motor controllers: Roboteq by CAN), and nothing drives before 1 to {} ms are read there. That \
+             the script tells the truth is yours to see: pull the plug of the bus at walking pace, and see it stop",
+            motors.watchdog_ms
+        )),
         MotorProtocol::Roboteq | MotorProtocol::WheelLine => {}
     }
     if !motors.has_brakes {

@@ -123,6 +123,7 @@ fn true_motors(motors: &MotorDrivesConfiguration, ticks_per_m: f32) -> MotorPara
         MotorProtocol::Odrive => MotorKind::Odrive,
         MotorProtocol::Vesc => MotorKind::Vesc,
         MotorProtocol::Roboteq => MotorKind::Roboteq,
+        MotorProtocol::RoboteqCan => MotorKind::RoboteqCan,
         MotorProtocol::WheelLine => MotorKind::WheelLine,
     };
     MotorParameters {

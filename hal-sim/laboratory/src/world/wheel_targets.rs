@@ -79,6 +79,25 @@ impl WheelTargets {
                     _ => return None,
                 };
             }
+            MotorProtocol::RoboteqCan => {
+                let id = frame.standard_id()?;
+                let of_node = |wheel: &usize| motors.nodes[*wheel] == (id & 0x7F) as u8;
+                let channels: Vec<usize> = (0..motors.wheel_count()).filter(of_node).collect();
+                channels.first()?;
+                match (id & 0x780, payload) {
+                    (0x200, speeds) => {
+                        for (wheel, rpm) in channels.into_iter().zip(speeds.chunks_exact(4)) {
+                            let rpm = i32::from_le_bytes([rpm[0], rpm[1], rpm[2], rpm[3]]) as f32;
+                            self.mps[wheel] = rpm / 60.0 * motors.metres_per_turn[wheel];
+                        }
+                    }
+                    // The emergency stop.
+                    (0x600, [0x2F, 0x0C, 0x20, ..]) => {
+                        channels.into_iter().for_each(|wheel| self.mps[wheel] = 0.0);
+                    }
+                    _ => return None,
+                }
+            }
             MotorProtocol::Roboteq | MotorProtocol::WheelLine => {
                 self.line += &String::from_utf8_lossy(payload);
                 let (line, rest) = self
