@@ -61,13 +61,15 @@ impl BusReport {
         let names: &[&str] =
             if base.heard().count() > NAMES_OF_TWO.len() { &NAMES_OF_FOUR } else { &NAMES_OF_TWO };
         for (slot, (name, (node, is_heard))) in devices.iter_mut().zip(names.iter().zip(base.heard())) {
+            let failure = base.refusal(node);
             let phase = match (is_heard, base.watchdog()) {
+                _ if failure.is_some() => NodePhase::Refused,
                 (false, _) => NodePhase::Absent,
                 (true, watchdog) if watchdog.allows() => NodePhase::Operational,
                 (true, WatchdogCheck::Failed) => NodePhase::Refused,
                 (true, _) => NodePhase::Configuring(0),
             };
-            *slot = Some(DeviceReport { name, node, phase, failure: None, is_motor: true });
+            *slot = Some(DeviceReport { name, node, phase, failure, is_motor: failure.is_none() });
         }
         let gateway = Self::named(&["safety controller"], base.gateway().into_iter());
         if let (Some(slot), [Some(device), ..]) =
@@ -146,5 +148,25 @@ mod tests {
         assert!(text.starts_with("left encoder (node 3): refused object 1A00h:01h: "), "{text}");
         let silent = DeviceReport { phase: NodePhase::Absent, failure: None, ..report };
         assert!(silent.to_string().contains("not heard of"));
+    }
+
+    /// A Roboteq whose firmware has no such object says so; before that it is not heard of.
+    #[test]
+    fn refusing_motor_controller_names_its_object() {
+        use floorguard_drivers::can::CanFrame;
+        use floorguard_drivers::motor_drives::{MotorDrivesConfiguration, MotorProtocol};
+        use floorguard_types::time::Stamp;
+
+        let protocol = MotorProtocol::RoboteqCan;
+        let mut base = MotorDrives::new(MotorDrivesConfiguration { protocol, ..Default::default() });
+        let line_of =
+            |base: &MotorDrives| BusReport::of_motors(base).devices().next().map(ToString::to_string);
+        assert!(line_of(&base).is_some_and(|text| text.starts_with("left drive (node 1): not heard of")));
+        let hear = |frame: &CanFrame, base: &mut MotorDrives| base.on_frame(frame, Stamp::ZERO, &mut |_| {});
+        hear(&CanFrame::standard(0x701, &[0]), &mut base);
+        base.poll(Stamp::ZERO, &mut |_| {}, &mut |_| {});
+        hear(&CanFrame::standard(0x581, &[0x80, 0x0C, 0x20, 0, 0, 0, 2, 6]), &mut base);
+        let text = line_of(&base).unwrap_or_default();
+        assert!(text.starts_with("left drive (node 1): refused object 200Ch:00h: no such object"), "{text}");
     }
 }
