@@ -4,12 +4,12 @@
 use std::sync::OnceLock;
 
 use floorguard_tests::campaign::Random;
-use floorguard_tests::fuzz::motors;
+use floorguard_tests::fuzz::motors::{self, MotorTalks};
 use libfuzzer_sys::fuzz_target;
 
-static FRAMES: OnceLock<[Vec<floorguard_sim::CanFrame>; 4]> = OnceLock::new();
+static TALKS: OnceLock<MotorTalks> = OnceLock::new();
 
 fuzz_target!(|data: &[u8]| {
-    let frames = FRAMES.get_or_init(motors::motor_frames);
-    _ = motors::motors(frames, &mut Random::given(data));
+    let talks = TALKS.get_or_init(motors::motor_talks);
+    _ = motors::motors(talks, &mut Random::given(data));
 });

@@ -17,16 +17,30 @@ pub const MOTOR_FRAMES: u64 = 24;
 /// Frames that the runtime takes of a poll.
 const SENT_MAX: usize = 16;
 
-const KINDS: [(MotorProtocol, MotorKind); 4] = [
+/// A conversation that goes before takes so long, milliseconds.
+const MET_MS: u64 = 300;
+
+const KINDS: [(MotorProtocol, MotorKind); 5] = [
     (MotorProtocol::Odrive, MotorKind::Odrive),
     (MotorProtocol::Vesc, MotorKind::Vesc),
     (MotorProtocol::Roboteq, MotorKind::Roboteq),
+    (MotorProtocol::RoboteqCan, MotorKind::RoboteqCan),
     (MotorProtocol::WheelLine, MotorKind::WheelLine),
 ];
 
-/// What simulated controllers of each kind send in a quarter of a second while they are asked.
+/// What simulated controllers of a kind send in their first third of a second while they are asked, and who has asked them.
+#[derive(Clone, Debug)]
+pub struct MotorTalk {
+    frames: Vec<SimulatedFrame>,
+    base: MotorDrives,
+}
+
+/// Such talks of each kind.
+pub type MotorTalks = [MotorTalk; 5];
+
+/// Talks to simulated controllers of each kind.
 #[must_use]
-pub fn motor_frames() -> [Vec<SimulatedFrame>; 4] {
+pub fn motor_talks() -> MotorTalks {
     KINDS.map(|(protocol, kind)| {
         let mut bank = MotorBank::new(MotorParameters {
             kind,
@@ -39,7 +53,7 @@ pub fn motor_frames() -> [Vec<SimulatedFrame>; 4] {
         });
         let mut base = MotorDrives::new(of(protocol));
         let mut frames = Vec::new();
-        for millis in 1..250_u64 {
+        for millis in 1..=MET_MS {
             let mut out = Vec::new();
             bank.tick((millis * 1_000, 1.0e-3), ([0.2, 0.3, 0.0, 0.0], [0.1; 4]), &mut out);
             base.poll(Stamp::from_micros(millis * 1_000), &mut |_| {}, &mut |frame| {
@@ -49,10 +63,26 @@ pub fn motor_frames() -> [Vec<SimulatedFrame>; 4] {
                 };
                 bank.receive(&sent, millis * 1_000, &mut out);
             });
+            for frame in &out {
+                base.on_frame(
+                    &heard(frame, frame.payload()),
+                    Stamp::from_micros(millis * 1_000),
+                    &mut |_| {},
+                );
+            }
             frames.extend(out);
         }
-        frames
+        assert!(base.is_complete(), "{protocol:?}: not met");
+        MotorTalk { frames, base }
     })
+}
+
+fn heard(frame: &SimulatedFrame, payload: &[u8]) -> CanFrame {
+    if frame.extended {
+        CanFrame::extended(frame.id, payload).expect("29 bits")
+    } else {
+        CanFrame::standard(frame.id as u16, payload)
+    }
 }
 
 fn of(protocol: MotorProtocol) -> MotorDrivesConfiguration {
@@ -60,23 +90,20 @@ fn of(protocol: MotorProtocol) -> MotorDrivesConfiguration {
 }
 
 /// Corrupted frames, orders and time: bounded answers, and a stop without torque moves nothing.
-pub fn motors(frames: &[Vec<SimulatedFrame>; 4], random: &mut Random) -> u64 {
+pub fn motors(talks: &MotorTalks, random: &mut Random) -> u64 {
     let kind = random.below(KINDS.len() as u64) as usize;
     let protocol = KINDS[kind].0;
-    let mut base = MotorDrives::new(of(protocol));
-    let (mut now, mut reported) = (1_000_000, 0);
+    // It meets them for the first time, or knows them already.
+    let mut base = if random.seldom(3) { MotorDrives::new(of(protocol)) } else { talks[kind].base.clone() };
+    let (mut now, mut reported) = (MET_MS * 1_000, 0);
     for _ in 0..MOTOR_FRAMES {
         now += random.below(30_000);
-        let frame = pick(&frames[kind], random);
+        let frame = pick(&talks[kind].frames, random);
         let mut payload = frame.data[..usize::from(frame.len.min(8))].to_vec();
         if !random.seldom(3) {
             corrupt(&mut payload, &[0xFF; 8], 8, random);
         }
-        let heard = if frame.extended {
-            CanFrame::extended(frame.id, &payload[..payload.len().min(8)]).expect("29 bits")
-        } else {
-            CanFrame::standard(frame.id as u16, &payload)
-        };
+        let heard = heard(frame, &payload[..payload.len().min(8)]);
         base.on_frame(&heard, Stamp::from_micros(now), &mut |_| reported += 1);
         match random.below(8) {
             0 => base.command(WheelCommand::Move(SideTargets { left_mps: 0.4, right_mps: f32::NAN })),
@@ -104,6 +131,7 @@ fn asked_speed(protocol: MotorProtocol, frame: &CanFrame) -> f32 {
     let Some(bytes) = frame.payload().first_chunk::<4>() else { return 0.0 };
     match (protocol, frame.standard_id(), frame.extended_id()) {
         (MotorProtocol::Odrive, Some(id), _) if id & 0x1F == 0x0D => f32::from_le_bytes(*bytes),
+        (MotorProtocol::RoboteqCan, Some(id), _) if id & 0x780 == 0x200 => i32::from_le_bytes(*bytes) as f32,
         (MotorProtocol::Vesc, _, Some(id)) if id >> 8 == 3 => i32::from_be_bytes(*bytes) as f32,
         _ => 0.0,
     }

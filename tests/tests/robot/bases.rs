@@ -44,7 +44,7 @@ fn robot(base: &str) -> String {
 }
 
 /// Motor controllers of the book, Motor controllers, each with its part of `[base]`; brakes that grip without power.
-const MOTORS: [(&str, &str); 5] = [
+const MOTORS: [(&str, &str); 7] = [
     ("odrive", "metres_per_turn = 0.5\nreversed = \"right\"\nbrakes = true\n"),
     ("odrive-omnidirectional", "metres_per_turn = 0.5\nreversed = \"right\"\nbrakes = true\n"),
     ("vesc", "metres_per_turn = 0.05\nreversed = \"none\"\nbrakes = true\npole_pairs = 7\n"),
@@ -52,16 +52,28 @@ const MOTORS: [(&str, &str); 5] = [
         "roboteq",
         "metres_per_turn = 0.02\nreversed = \"left\"\nbrakes = true\ncounts_per_turn = 2000\nsource = \"serial:/dev/ttyACM0\"\nbaud = 115200\n",
     ),
+    ("roboteq-can", "metres_per_turn = 0.02\nreversed = \"left\"\nbrakes = true\ncounts_per_turn = 2000\n"),
+    (
+        "roboteq-can-omnidirectional",
+        "metres_per_turn = 0.02\nreversed = \"right\"\nbrakes = true\ncounts_per_turn = 2000\n",
+    ),
     ("wheel-line", "reversed = \"none\"\nbrakes = true\nsource = \"serial:/dev/ttyACM0\"\nbaud = 115200\n"),
 ];
 
 /// The example robot with such controllers.
 fn with_motors((motors, keys): (&str, &str)) -> String {
-    let drives = motors.split('-').next().filter(|_| motors != "wheel-line").unwrap_or(motors);
+    let drives = motors.strip_suffix("-omnidirectional").unwrap_or(motors);
     let base = if motors.contains("omni") { "omnidirectional" } else { "differential" };
     // Beside the gateway an axis of an ODrive has a number that CANopen leaves free.
     let text = robot(base).replace("dirt_sensor_node = 6\n", "");
-    let text = text.replace("rear_right_drive_node = 4", "rear_right_drive_node = 60");
+    let text = if drives == "roboteq-can" {
+        // Both wheels of an axle are channels of one controller.
+        text.replace("right_drive_node = 2", "right_drive_node = 1")
+            .replace("rear_left_drive_node = 3", "rear_left_drive_node = 2")
+            .replace("rear_right_drive_node = 4", "rear_right_drive_node = 2")
+    } else {
+        text.replace("rear_right_drive_node = 4", "rear_right_drive_node = 60")
+    };
     let text = text.replace("\n[limits]\n", &format!("\ndrives = \"{drives}\"\n{keys}[limits]\n"));
     let text = if drives == "wheel-line" { text } else { text.replace("ticks_per_m = 20000.0\n", "") };
     if !keys.contains("source") {

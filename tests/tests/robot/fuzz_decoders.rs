@@ -237,8 +237,8 @@ fn fuzz_velocity_link() {
 
 #[test]
 fn fuzz_motors() {
-    let frames = motors::motor_frames();
-    campaign_of(4_000, motors::MOTOR_FRAMES, |random| motors::motors(&frames, random));
+    let talks = motors::motor_talks();
+    campaign_of(4_000, motors::MOTOR_FRAMES, |random| motors::motors(&talks, random));
 }
 
 #[test]

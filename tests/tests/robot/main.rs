@@ -16,3 +16,4 @@ mod learning_robot;
 mod recording_mcap;
 mod recording_replay;
 mod robot_in_virtual_time;
+mod roboteq_bus;
