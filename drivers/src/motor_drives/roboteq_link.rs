@@ -60,7 +60,13 @@ impl RoboteqLink {
         let mut tell = |order: RoboteqOrder| send_bytes(order.text().as_bytes(), send);
         let is_on = wheels.iter().take(CHANNELS).all(|wheel| wheel.condition == Condition::On);
         match (order.operate, is_on) {
-            (true, false) => tell(RoboteqOrder::Release),
+            // A command that is taken wakes the speeds from before the watchdog acted: they are overwritten first.
+            (true, false) => {
+                for channel in (1..).take(CHANNELS) {
+                    tell(RoboteqOrder::Speed { channel, rpm: 0 });
+                }
+                tell(RoboteqOrder::Release);
+            }
             (false, _) => tell(RoboteqOrder::EmergencyStop),
             (true, true) => {
                 for (index, (channel, speed_mps)) in (1..).zip(order.speeds_mps).take(CHANNELS).enumerate() {
@@ -118,5 +124,29 @@ fn hear(reply: RoboteqReply, (now, bus): (Stamp, &MotorDrivesConfiguration), whe
                 .for_each(|wheel| (wheel.heard, wheel.condition) = (Some(now), condition));
         }
         RoboteqReply::Watchdog(_) | RoboteqReply::Accepted | RoboteqReply::Refused => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::string::String;
+
+    use super::*;
+
+    /// Of a stopped controller: a release alone would let it go on as before its watchdog acted.
+    #[test]
+    fn speeds_of_before_are_overwritten_before_release() {
+        let mut link = RoboteqLink::default();
+        link.step();
+        let order = Order { operate: true, ..Order::default() };
+        let mut text = String::new();
+        link.send(
+            &order,
+            (&MotorDrivesConfiguration::default(), &Wheels::default()),
+            &mut |frame: &CanFrame| {
+                text.extend(frame.payload().iter().map(|byte| char::from(*byte)));
+            },
+        );
+        assert!(text.starts_with("!S 1 0\r!S 2 0\r!MG\r"), "{text}");
     }
 }
