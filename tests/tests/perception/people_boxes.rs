@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use floorguard_app::mapping_commands::{
-    BoxMethod, CalibrateArguments, CalibrateWhat, CameraLidarArguments, CleanArguments, calibrate, clean_map,
-};
+use floorguard_app::cameras::{CalibrateArguments, CalibrateWhat, CameraLidarArguments, calibrate};
+use floorguard_app::mapping_commands::{BoxMethod, CleanArguments, clean_map};
 use floorguard_tests::data::recording;
 
 const FOLDER: &str = "vlp16_clouds/fabu_hall_people_A_reencoded";
