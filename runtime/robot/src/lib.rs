@@ -13,5 +13,6 @@ pub mod cleaner;
 pub mod environment;
 pub mod learning;
 pub mod navigator;
+pub mod ordered;
 pub mod picture_files;
 pub mod site;

@@ -21,7 +21,7 @@ use floorguard_configuration::{
     parse,
 };
 use floorguard_robot::assembly::Stages;
-use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
+use floorguard_robot::cleaner::{CleaningOrders, MissionPlan, MissionStrategy};
 use floorguard_robot::learning::LearningSetup;
 use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings};
 
@@ -56,6 +56,8 @@ pub struct Plan {
     pub navigation: Option<NavigationPlan>,
     /// Somebody outside orders its goals, one after another, and the run does not end with them.
     pub drive_orders: Option<DriveOrders>,
+    /// Somebody outside orders what it cleans beside that, part by part.
+    pub cleaning_orders: Option<CleaningOrders>,
     /// How it drives to a goal.
     pub navigation_settings: NavigationSettings,
     /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
@@ -135,6 +137,7 @@ impl Plan {
             mission: None,
             navigation: None,
             drive_orders: None,
+            cleaning_orders: None,
             navigation_settings: (&navigation).into(),
             seed,
             duration_us,
@@ -241,6 +244,16 @@ impl Plan {
     pub fn ordered(self) -> Result<Self, PlanError> {
         let start = self.scenario.start_pose();
         Ok(Self { drive_orders: Some(DriveOrders::default()), ..self.navigating(start)? })
+    }
+
+    /// Cleaning what somebody outside orders: what is expected to be dirty where the scenario has dirt, and lanes elsewhere.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn cleaning_on_order(self) -> Result<Self, PlanError> {
+        let has_dirt = self.dirt.is_some();
+        let strategy = if has_dirt { MissionStrategy::Guarantee } else { MissionStrategy::Systematic };
+        Ok(Self { cleaning_orders: Some(CleaningOrders::default()), ..self.cleaning(Some(strategy))? })
     }
 
     /// With an empty map of this side around the start, metres, that the robot is to complete; no dirt lies there.

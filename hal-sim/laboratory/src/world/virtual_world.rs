@@ -108,7 +108,8 @@ fn play(
         mission: plan
             .mission
             .clone()
-            .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+            .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default())))
+            .map(|setup| setup.ordered_by(plan.cleaning_orders.clone())),
         navigation: plan
             .navigation
             .clone()

@@ -23,4 +23,9 @@ pub struct LinkMoment<'a> {
 pub trait RunLink: Send {
     /// Shows the robot; gives the buttons that it presses.
     fn attend(&mut self, moment: &LinkMoment<'_>) -> Vec<Order>;
+
+    /// It lives by the clock on the wall: a run in virtual time then goes no faster.
+    fn keeps_wall_time(&self) -> bool {
+        true
+    }
 }

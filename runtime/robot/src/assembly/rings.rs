@@ -20,6 +20,7 @@ use super::tap::{Poll, Tap};
 use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 use crate::learning::LearningSetup;
 use crate::navigator::SpaceInbox;
+use crate::ordered::OrderedWork;
 use floorguard_host::executor::{
     PollObserver, PriorityLock, Ring, RingObserver, StopFlag, run_until, run_until_observed, take_priority,
 };
@@ -177,15 +178,20 @@ fn perception_ring(
     })
 }
 
-/// What plans on a thread of its own: a goal comes before cleaning; without both the robot drives its route.
+/// What plans on a thread of its own: a goal comes before cleaning, unless both are ordered from outside; without both the robot drives
+/// its route.
 fn mission_of(
     robot: &RobotConfiguration,
     links: &mut Links,
 ) -> anyhow::Result<Option<Box<dyn Mission + Send>>> {
-    if let Some(setup) = links.navigation.take() {
-        return Ok(Some(Box::new(setup.begin(robot)?)));
+    let cleaning = links.mission.take();
+    if let Some(drive) = links.navigation.take() {
+        return Ok(Some(match cleaning.filter(|cleaning| OrderedWork::is_meant(&drive, cleaning)) {
+            Some(cleaning) => Box::new(OrderedWork::new((&drive, &cleaning), robot)?),
+            None => Box::new(drive.begin(robot)?),
+        }));
     }
-    let Some(setup) = links.mission.take() else { return Ok(None) };
+    let Some(setup) = cleaning else { return Ok(None) };
     Ok(Some(Box::new(setup.begin_queue(robot)?)))
 }
 

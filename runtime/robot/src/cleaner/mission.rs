@@ -129,6 +129,8 @@ pub struct Cleaner {
     pub(super) distance_m: f32,
     pub(super) watch: SharedWatch,
     pub(super) store: Store,
+    /// The plan that its saves belong to, where that is not the one that it drives by.
+    pub(super) saved_as: Option<MissionPlan>,
     pub(super) path_finder: PathFinder,
     pub(super) guess: PathSearch<Vec<SearchCell>>,
     pub(super) obstacles: Obstacles,
@@ -199,6 +201,7 @@ impl Cleaner {
             distance_m: 0.0,
             watch,
             store,
+            saved_as: None,
             path_finder,
             guess: search_of(raster),
             obstacles: Obstacles::new(raster),
@@ -338,12 +341,13 @@ impl Cleaner {
         self.save_s = now_s + SAVE_S;
         let prior = self.plan.prior(&self.ground.expected);
         let saved = Saved::of(self.pose(), self.localiser.map.values(), &prior);
-        self.store.save(&self.plan, &saved);
+        self.store.save(self.saved_as.as_ref().unwrap_or(&self.plan), &saved);
     }
 }
 
-impl Mission for Cleaner {
-    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
+impl Cleaner {
+    /// Takes in what the senses bring, whoever drives. Gives the seconds since it began, and since the last moment.
+    pub(super) fn observe(&mut self, moment: &MissionMoment<'_>) -> (f32, f32) {
         let began = *self.began.get_or_insert(moment.now);
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
         let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);
@@ -358,6 +362,13 @@ impl Mission for Cleaner {
         if let Some(floor) = moment.floor {
             self.see_floor(floor, now_s);
         }
+        (now_s, lasted_s)
+    }
+}
+
+impl Mission for Cleaner {
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
+        let (now_s, lasted_s) = self.observe(moment);
         let permitted = moment.decision.map_or(Twist2::ZERO, |decision| decision.permitted);
         self.times.add(self.time_use(moment), (self.requested, permitted), lasted_s);
         if self.phase.is_over() {

@@ -3,12 +3,15 @@
 
 mod areas;
 mod body;
+mod cleaning_orders;
 mod ground;
+mod known_floor;
 mod lane_list;
 mod lane_plan;
 mod mission;
 mod mission_report;
 mod obstacles;
+mod ordered;
 mod orders;
 mod pace;
 mod path_finder;
@@ -27,7 +30,10 @@ mod track;
 mod visits;
 
 pub use areas::{AREAS_MAX, Area, AreaKind, check_areas};
+pub use cleaning_orders::{CleaningCommand, CleaningOrder, CleaningOrders, CleaningStage, CleaningStatus};
+pub use known_floor::KnownFloor;
 pub use mission::{Cleaner, SharedWatch};
+pub use ordered::{CleaningCounts, Whereabouts};
 pub use orders::{MissionOrder, MissionOrders, QUEUE_MAX, QueueStatus};
 pub(crate) use plan::MapRuns;
 pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};

@@ -132,7 +132,7 @@ impl MissionOrders {
     }
 
     /// For the mission: the orders so far. `None` while the other side holds them; they come with the next step.
-    pub(super) fn take(&self) -> Option<Vec<MissionOrder>> {
+    pub(crate) fn take(&self) -> Option<Vec<MissionOrder>> {
         match self.0.try_lock() {
             Ok(mut inside) => Some(std::mem::take(&mut inside.orders)),
             Err(TryLockError::Poisoned(inside)) => Some(std::mem::take(&mut inside.into_inner().orders)),
@@ -141,7 +141,7 @@ impl MissionOrders {
     }
 
     /// For the mission: makes the status known. False while the other side holds it.
-    pub(super) fn publish(&self, status: &QueueStatus) -> bool {
+    pub(crate) fn publish(&self, status: &QueueStatus) -> bool {
         match self.0.try_lock() {
             Ok(mut inside) => inside.status.clone_from(status),
             Err(TryLockError::Poisoned(inside)) => inside.into_inner().status.clone_from(status),

@@ -13,6 +13,7 @@ use floorguard_types::geometry::{Pose2, Twist2};
 
 use super::areas::{Area, AreaKind};
 use super::mission::{Cleaner, SharedWatch};
+use super::ordered::prepared;
 use super::orders::{MissionOrder, MissionOrders, QUEUE_MAX, QueueStatus};
 use super::plan::MissionPlan;
 use super::progress::MissionPhase;
@@ -80,15 +81,9 @@ impl MissionQueue {
 
     /// A mission on the plan with these areas, where the robot is now.
     fn prepared(&self, areas: Vec<Area>) -> anyhow::Result<Cleaner> {
-        let pose = self.current.pose();
-        let start = [pose.x_m, pose.y_m, pose.heading_rad];
         let mut plan = self.base.clone();
-        (plan.start, plan.areas) = (start, areas);
-        let mut next = Cleaner::new(&plan, &self.robot, (self.watch.clone(), Store::None))?;
-        ensure!(
-            next.ground.floor.reachable.contains(&true),
-            "the robot cannot clean anything there from where it stands"
-        );
+        plan.areas = areas;
+        let mut next = prepared((&plan, &self.robot), &self.watch, &self.current.whereabouts())?;
         next.go_on_from(&self.current);
         next.store = self.store.clone();
         Ok(next)
@@ -148,14 +143,14 @@ impl Mission for MissionQueue {
 
 impl Cleaner {
     /// The operator has given the mission up.
-    fn cancel(&mut self) {
+    pub(crate) fn cancel(&mut self) {
         self.phase = MissionPhase::Cancelled;
         self.track = super::track::Track::default();
         self.next_report_s = 0.0;
     }
 
     /// The operator says where the robot stands.
-    fn place_at(&mut self, pose_in_map: Pose2) -> anyhow::Result<()> {
+    pub(crate) fn place_at(&mut self, pose_in_map: Pose2) -> anyhow::Result<()> {
         let is_free = self.ground.is_free(pose_in_map, floorguard_types::motion::Gear::Ahead);
         ensure!(is_free, "the robot does not fit there: a wall or a no-go area is too near");
         self.localiser.place_at(pose_in_map, self.odometry.pose_in_odometry);
@@ -165,19 +160,14 @@ impl Cleaner {
         Ok(())
     }
 
-    /// Goes on with another mission's knowledge of where the robot is.
+    /// Goes on with what another mission's senses know; where the robot is it knows already.
     fn go_on_from(&mut self, before: &Self) {
-        self.odometry = before.odometry;
-        self.poses = before.poses.clone();
         self.dirt = before.dirt;
         self.people_seen.clone_from(&before.people_seen);
-        let doubt_m = before.localiser.doubt_m();
-        let odometry = before.odometry.pose_in_odometry;
-        self.localiser.go_on_at((before.pose(), doubt_m), odometry, before.localiser.is_trusted());
     }
 
     /// The same mission with other areas: what is known of its floor stays, and so do its figures.
-    fn keep_cleaned_of(&mut self, before: &Self) {
+    pub(crate) fn keep_cleaned_of(&mut self, before: &Self) {
         let known = before.localiser.map.values();
         if known.len() == self.localiser.map.values().len() {
             for (cell, known) in self.localiser.map.values_mut().iter_mut().zip(known) {

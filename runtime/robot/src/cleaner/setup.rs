@@ -4,6 +4,7 @@ use std::fmt;
 
 use floorguard_runtime::configuration::RobotConfiguration;
 
+use super::cleaning_orders::CleaningOrders;
 use super::mission::{Cleaner, SharedWatch};
 use super::orders::MissionOrders;
 use super::plan::MissionPlan;
@@ -21,6 +22,8 @@ pub struct MissionSetup {
     pub store: Store,
     /// What the operator orders of it.
     pub orders: MissionOrders,
+    /// Somebody outside orders what is cleaned, beside a drive to goals; the mission does not begin by itself.
+    pub ordered: Option<CleaningOrders>,
 }
 
 impl fmt::Debug for MissionSetup {
@@ -33,7 +36,13 @@ impl MissionSetup {
     /// With nobody watching yet.
     #[must_use]
     pub fn new(plan: MissionPlan, store: Store) -> Self {
-        Self { plan, watch: SharedWatch::default(), store, orders: MissionOrders::default() }
+        Self { plan, watch: SharedWatch::default(), store, orders: MissionOrders::default(), ordered: None }
+    }
+
+    /// The same, with cleanings that somebody outside orders.
+    #[must_use]
+    pub fn ordered_by(self, ordered: Option<CleaningOrders>) -> Self {
+        Self { ordered, ..self }
     }
 
     /// The mission of a robot, begun or gone on with.

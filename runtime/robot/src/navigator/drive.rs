@@ -17,7 +17,7 @@ use super::course::Course;
 use super::docking::Docking;
 use super::exploring::Exploring;
 use super::goal_search::GoalSearch;
-use super::goals::DriveOrders;
+use super::goals::{DriveOrders, WayLimits};
 use super::guard_model::{GuardModel, place_of};
 use super::maps::Maps;
 use super::model::{Model, PERIOD_S, times_of};
@@ -84,6 +84,7 @@ pub struct Navigator {
     pub(super) reported: Option<(NavigationPhase, bool)>,
     pub(super) orders: Option<DriveOrders>,
     pub(super) goal_number: u32,
+    pub(super) way: WayLimits,
     pub(super) tour: Option<Tour>,
     pub(super) docking: Option<Docking>,
 }
@@ -142,6 +143,7 @@ impl Navigator {
             reported: None,
             orders: orders.clone(),
             goal_number: 0,
+            way: WayLimits::NONE,
             tour: Tour::of(&plan.tour),
         })
     }
@@ -381,6 +383,7 @@ impl Mission for Navigator {
         } else if now_s >= self.next_s {
             self.next_s = now_s + PERIOD_S - 0.001;
             self.requested = self.decide(now_s);
+            self.requested = self.way.limit(self.requested);
             self.leave_out_unreachable();
         }
         self.standing = self.standing_reason(moment);

@@ -3,7 +3,9 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use floorguard_types::geometry::Pose2;
+use floorguard_types::geometry::{Pose2, Twist2};
+
+use crate::cleaner::Whereabouts;
 
 use super::course::Course;
 use super::drive::Navigator;
@@ -25,6 +27,31 @@ pub struct OrderedGoal {
     pub within_m: f32,
     /// And within, radians; π: any heading is good.
     pub within_rad: f32,
+    /// On the way there it requests no more.
+    pub way: WayLimits,
+}
+
+/// What a drive requests at most on its way to a goal, beside what its settings say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WayLimits {
+    /// Ahead and back, m/s.
+    pub speed_mps: f32,
+    /// Turning, rad/s.
+    pub turn_radps: f32,
+}
+
+impl WayLimits {
+    /// The settings alone say how fast.
+    pub const NONE: Self = Self { speed_mps: f32::INFINITY, turn_radps: f32::INFINITY };
+
+    /// The same curve, no faster than both.
+    #[must_use]
+    pub fn limit(&self, requested: Twist2) -> Twist2 {
+        let share = |most: f32, asked: f32| if asked.abs() > most { most / asked.abs() } else { 1.0 };
+        let along = share(self.speed_mps, requested.linear_mps);
+        let share = along.min(share(self.turn_radps, requested.angular_radps));
+        Twist2 { linear_mps: share * requested.linear_mps, angular_radps: share * requested.angular_radps }
+    }
 }
 
 /// What somebody outside orders the drive to do.
@@ -72,10 +99,7 @@ impl Navigator {
             match order {
                 DriveOrder::Goto(goal) => self.begin_goal(&goal),
                 DriveOrder::Stand => self.wait_for_order(),
-                DriveOrder::Relocate(pose) => {
-                    self.senses.relocate(pose);
-                    self.course = Course::default();
-                }
+                DriveOrder::Relocate(pose) => self.place_at(pose),
             }
         }
     }
@@ -86,11 +110,29 @@ impl Navigator {
         self.plan.settings.within_m = ordered.within_m;
         self.plan.settings.within_rad = ordered.within_rad;
         self.goal_number = ordered.number;
+        self.way = ordered.way;
+        self.steering.limit(ordered.way);
         self.begin_anew(NavigationPhase::Starting);
     }
 
-    fn wait_for_order(&mut self) {
+    pub(crate) fn wait_for_order(&mut self) {
         self.begin_anew(NavigationPhase::Waiting);
+    }
+
+    /// The robot has no reason of the drive to move.
+    pub(crate) const fn stands(&self) -> bool {
+        self.phase.stands()
+    }
+
+    /// Somebody says where the robot stands, map frame.
+    pub(crate) fn place_at(&mut self, pose_in_map: Pose2) {
+        self.senses.relocate(pose_in_map);
+        self.course = Course::default();
+    }
+
+    /// Where the robot is, for whoever drives it next.
+    pub(crate) fn whereabouts(&self) -> Whereabouts {
+        self.senses.whereabouts()
     }
 
     pub(super) fn begin_anew(&mut self, phase: NavigationPhase) {
@@ -112,6 +154,17 @@ impl Navigator {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// It can only tighten, and it leaves the curve as it is.
+    #[test]
+    fn limited_request_keeps_its_curve() {
+        let asked = Twist2 { linear_mps: -0.6, angular_radps: 0.3 };
+        assert_eq!(WayLimits::NONE.limit(asked), asked);
+        let slow = WayLimits { speed_mps: 0.2, turn_radps: 0.3 }.limit(asked);
+        assert!((slow.linear_mps + 0.2).abs() < 1.0e-6 && (slow.angular_radps - 0.1).abs() < 1.0e-6);
+        let turning = WayLimits { speed_mps: 1.0, turn_radps: 0.1 }.limit(asked);
+        assert!((turning.linear_mps + 0.2).abs() < 1.0e-6 && (turning.angular_radps - 0.1).abs() < 1.0e-6);
+    }
 
     #[test]
     fn orders_come_in_turn_and_are_bounded() {

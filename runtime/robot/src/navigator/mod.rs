@@ -28,7 +28,7 @@ mod survey;
 mod touring;
 
 pub use drive::Navigator;
-pub use goals::{DriveOrder, DriveOrders, OrderedGoal};
+pub use goals::{DriveOrder, DriveOrders, OrderedGoal, WayLimits};
 pub use guard_model::GuardModel;
 pub use local_planning::LocalPlanning;
 pub use plan::{Journey, NavigationPlan, NavigationSettings};

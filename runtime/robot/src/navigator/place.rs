@@ -54,6 +54,14 @@ impl Place {
         }
     }
 
+    /// Doubt of the pose, metres. A map that is made here has its own place.
+    pub(super) fn doubt_m(&self) -> f32 {
+        match self {
+            Self::Known(known) => known.1.doubt_m(),
+            Self::Surveyed(_) => 0.0,
+        }
+    }
+
     /// The middle of a free floor: what stands there is not on the map.
     pub(super) fn is_middle_of_floor(&self, place_in_map: Point2, clearance_m: f32) -> bool {
         match self {

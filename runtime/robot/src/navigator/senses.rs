@@ -15,6 +15,7 @@ use super::place::Place;
 use super::plan::NavigationPlan;
 use super::space_inbox::SpaceSight;
 use super::survey::{SharedSurvey, SurveyScan, in_map, locked};
+use crate::cleaner::Whereabouts;
 use crate::site::{RecentPoses, ends_of};
 
 /// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
@@ -84,6 +85,17 @@ impl Senses {
     /// Where the robot is believed to be now, map frame.
     pub(super) fn pose(&self) -> Pose2 {
         self.place.pose(self.odometry.pose_in_odometry)
+    }
+
+    /// All of that, for whoever drives the robot next.
+    pub(super) fn whereabouts(&self) -> Whereabouts {
+        Whereabouts {
+            pose_in_map: self.pose(),
+            doubt_m: self.place.doubt_m(),
+            is_trusted: self.is_trusted(),
+            odometry: self.odometry,
+            poses: self.poses.clone(),
+        }
     }
 
     /// Where the odometry frame lies in the map frame.

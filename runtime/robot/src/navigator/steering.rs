@@ -8,6 +8,7 @@ use floorguard_navigation::path::{FollowLimits, FollowState, PathFollower};
 use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::motion::{Footprint, Gear, MovingPerson, Waypoint};
 
+use super::goals::WayLimits;
 use super::guard_model::GuardModel;
 use super::model::Model;
 use super::plan::NavigationSettings;
@@ -39,6 +40,8 @@ pub(super) struct Steering {
     limits: FollowLimits,
     outline: Footprint,
     speed_mps: f32,
+    /// What was asked for on this way.
+    way: WayLimits,
 }
 
 impl Steering {
@@ -61,7 +64,19 @@ impl Steering {
             ..FollowLimits::DEFAULT
         };
         let speed_mps = model.drive.speed_max_mps;
-        Self { local, follower: None, limits, outline: model.outline.clone(), speed_mps }
+        Self {
+            local,
+            follower: None,
+            limits,
+            outline: model.outline.clone(),
+            speed_mps,
+            way: WayLimits::NONE,
+        }
+    }
+
+    /// On the way from now on it plans no faster; what the model says stays the most.
+    pub(super) const fn limit(&mut self, way: WayLimits) {
+        self.way = way;
     }
 
     /// Another path is followed from now on.
@@ -87,7 +102,7 @@ impl Steering {
             path: piece,
             people: moment.people,
             guard: moment.guard,
-            speed_limit_mps: self.speed_mps,
+            speed_limit_mps: self.speed_mps.min(self.way.speed_mps),
         };
         match &mut self.local {
             Local::Ours(planner) => planner.command(&situation),

@@ -4,7 +4,7 @@ use floorguard_configuration::{CommandAddress, CommandConfiguration, DatagramAdd
 use floorguard_guard::{Action, GuardState};
 use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::{LinkMoment, RunLink};
-use floorguard_robot::navigator::{DriveOrder, DriveOrders, NavigationSettings, OrderedGoal};
+use floorguard_robot::navigator::{DriveOrder, DriveOrders, NavigationSettings, OrderedGoal, WayLimits};
 use floorguard_ros2::{
     BridgeOptions, Restraint, RobotMoment, RosBridge, RosRequest, VelocityFeed, VelocityRoute,
 };
@@ -91,7 +91,14 @@ impl Bridged {
         let order = if matches!(request, RosRequest::Goal(_)) {
             self.goals = self.goals.wrapping_add(1);
             let NavigationSettings { within_m, within_rad, .. } = *settings;
-            DriveOrder::Goto(OrderedGoal { number: self.goals, goal_in_map: place, within_m, within_rad })
+            let way = WayLimits::NONE;
+            DriveOrder::Goto(OrderedGoal {
+                number: self.goals,
+                goal_in_map: place,
+                within_m,
+                within_rad,
+                way,
+            })
         } else {
             DriveOrder::Relocate(place)
         };
