@@ -12,7 +12,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use floorguard_fleet::{
-    BrokerAddress, FleetLink, MqttVersion, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose,
+    BrokerAddress, Cleaning, FleetLink, MqttVersion, VehicleCommand, VehicleDescription, VehicleMoment,
+    VehiclePose,
 };
 use rumqttc::{Client, Event, Incoming, MqttOptions, QoS};
 use serde_json::{Value, json};
@@ -54,6 +55,7 @@ fn vehicle(serial: &str) -> VehicleDescription {
         outline_m: Vec::new(),
         within_m: 0.25,
         within_rad: 0.17,
+        cleaning: Cleaning::Refused("it is only counted here".to_owned()),
     }
 }
 

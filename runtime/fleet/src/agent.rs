@@ -13,7 +13,10 @@ use super::messages::{
 };
 use super::order::{HeldOrder, Taken};
 use super::rules::report;
-use super::vehicle::{EmergencyStop, VehicleCommand, VehicleDescription, VehicleFault, VehicleMoment};
+use super::vehicle::{
+    CleaningMoment, CleaningStage, EmergencyStop, VehicleCommand, VehicleDescription, VehicleFault,
+    VehicleMoment,
+};
 
 /// A state goes out this often even if nothing changes, seconds.
 const STATE_EVERY_S: f64 = 10.0;
@@ -156,6 +159,15 @@ impl FleetAgent {
             self.is_changed = true;
             self.keep_order();
         }
+        outcome.commands.append(&mut self.held.take_due());
+        for (action, words) in self.held.take_failed() {
+            let of = [
+                ("orderId", self.held.order_id.as_str()),
+                ("nodeId", &self.held.last_node_id),
+                ("actionId", &action.action_id),
+            ];
+            self.note(report(&format!("{}Error", action.action_type), words, &of));
+        }
         if self.moment.is_automatic
             && let Some(place) = self.held.next_place(&self.vehicle)
         {
@@ -175,7 +187,8 @@ impl FleetAgent {
             self.pauses.iter().filter(|pending| settled(pending)).map(|pending| pending.action_id.clone());
         let mut done: Vec<String> = paused.collect();
         self.pauses.retain(|pending| !settled(pending));
-        if !is_driving {
+        let is_cleaning = |told: &CleaningMoment| told.stage == CleaningStage::Running;
+        if !is_driving && !self.moment.cleaning.as_ref().is_some_and(is_cleaning) {
             done.append(&mut self.cancelling);
         }
         for state in self.instant.iter_mut().filter(|state| done.contains(&state.action_id)) {

@@ -2,8 +2,9 @@
 
 use serde_json::{Value, json};
 
+use super::cleaning::described;
 use super::rules::{IDENTIFIER_MAX, INSTANT_ACTIONS, NODE_ACTIONS_MAX, NODES_MAX, WAIT_ACTION};
-use super::vehicle::VehicleDescription;
+use super::vehicle::{Cleaning, VehicleDescription};
 
 /// The factsheet without its header.
 pub fn factsheet(vehicle: &VehicleDescription) -> Value {
@@ -30,7 +31,7 @@ pub fn factsheet(vehicle: &VehicleDescription) -> Value {
             },
             "timing": {"minOrderInterval": 0.1, "minStateInterval": 0.1, "defaultStateInterval": 10.0, "visualizationInterval": 1.0},
         },
-        "protocolFeatures": {"optionalParameters": optional_parameters(), "agvActions": actions()},
+        "protocolFeatures": {"optionalParameters": optional_parameters(), "agvActions": actions(vehicle)},
         "agvGeometry": {"envelopes2d": [{"set": "body", "polygonPoints": corners}]},
         "loadSpecification": {},
     })
@@ -42,14 +43,21 @@ fn optional_parameters() -> Value {
         {"parameter": "order.nodes.nodePosition.theta", "support": "SUPPORTED"},
         {"parameter": "order.nodes.nodePosition.allowedDeviationXY", "support": "SUPPORTED"},
         {"parameter": "order.nodes.nodePosition.allowedDeviationTheta", "support": "SUPPORTED"},
+        {"parameter": "order.edges.maxSpeed", "support": "SUPPORTED"},
+        {"parameter": "order.edges.maxRotationSpeed", "support": "SUPPORTED"},
+        {"parameter": "order.edges.maxHeight", "support": "SUPPORTED"},
     ])
 }
 
-fn actions() -> Vec<Value> {
+fn actions(vehicle: &VehicleDescription) -> Vec<Value> {
     let instant = INSTANT_ACTIONS.iter().map(|kind| json!({"actionType": kind, "actionScopes": ["INSTANT"]}));
     let wait = json!({
         "actionType": WAIT_ACTION, "actionDescription": "stands for some seconds", "actionScopes": ["NODE"],
         "actionParameters": [{"key": "duration", "valueDataType": "NUMBER", "description": "seconds"}],
     });
-    instant.chain(std::iter::once(wait)).collect()
+    let clean = match &vehicle.cleaning {
+        Cleaning::Offered(promise) => Some(described(*promise)),
+        Cleaning::Refused(_) => None,
+    };
+    instant.chain(std::iter::once(wait)).chain(clean).collect()
 }

@@ -11,6 +11,7 @@ extern crate floorguard_host;
 
 mod agent;
 mod broker;
+mod cleaning;
 mod connection;
 mod factsheet;
 mod instant;
@@ -19,6 +20,7 @@ mod mqtt;
 mod order;
 mod queue;
 mod rules;
+mod running;
 mod vehicle;
 
 pub use agent::FleetAgent;
@@ -26,7 +28,8 @@ pub use broker::FleetLink;
 pub use messages::{Topic, Topics};
 pub use mqtt::{BrokerAddress, MqttVersion, OpenError};
 pub use vehicle::{
-    EmergencyStop, OrderedPlace, VehicleCommand, VehicleDescription, VehicleFault, VehicleMoment, VehiclePose,
+    Cleaning, CleaningMoment, CleaningPlace, CleaningPromise, CleaningStage, EmergencyStop, OrderedPlace,
+    VehicleCommand, VehicleDescription, VehicleFault, VehicleMoment, VehiclePose,
 };
 
 #[cfg(test)]

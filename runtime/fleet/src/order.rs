@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::messages::{Action, ActionState, EdgeState, Node, NodeState, Order, Report};
 use super::rules::{refusal, usable, validate};
-use super::vehicle::{OrderedPlace, VehicleDescription, VehicleMoment, VehiclePose};
+use super::running::{RunningAction, joined};
+use super::vehicle::{OrderedPlace, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose};
 
 /// The first node of an order counts as reached within, metres, where the order does not say: the vehicle comes from anywhere.
 const START_WITHIN_M: f64 = 1.0;
@@ -41,14 +42,21 @@ pub struct HeldOrder {
     pub edges: Vec<EdgeToDrive>,
     /// Its actions, and instant ones.
     pub action_states: Vec<ActionState>,
-    /// Actions of the newest node, with the seconds that are left.
-    running: Vec<RunningWait>,
+    /// Actions of the newest node that are not over.
+    pub(super) running: Vec<RunningAction>,
     /// The master has cancelled it.
     is_cancelled: bool,
     /// The last number of a place.
     pub place_number: u32,
     /// Nodes traversed so far, of all orders.
     pub traversed: u64,
+    /// The last number of a cleaning.
+    #[serde(default)]
+    pub cleaning_number: u32,
+    #[serde(skip)]
+    pub(super) due: Vec<VehicleCommand>,
+    #[serde(skip)]
+    pub(super) failed: Vec<(Action, String)>,
     #[serde(skip)]
     ordered: Option<(u32, u32)>,
     #[serde(skip)]
@@ -61,13 +69,12 @@ pub struct EdgeToDrive {
     edge_id: String,
     sequence_id: u32,
     released: bool,
-}
-
-/// An action that stands for a while.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct RunningWait {
-    action: Action,
-    left_s: f64,
+    /// The vehicle drives no faster on it, m/s, where that is less than it could.
+    #[serde(default)]
+    speed_max_mps: Option<f64>,
+    /// And turns no faster, rad/s.
+    #[serde(default)]
+    turn_max_radps: Option<f64>,
 }
 
 impl HeldOrder {
@@ -91,7 +98,7 @@ impl HeldOrder {
             return Taken::Refused(report);
         }
         let taken = if order.order_id == self.order_id {
-            self.update(order)
+            self.update(order, vehicle)
         } else {
             self.begin(order, (vehicle, moment))
         };
@@ -129,13 +136,13 @@ impl HeldOrder {
         self.order_id.clone_from(&order.order_id);
         self.order_update_id = order.order_update_id;
         self.is_cancelled = false;
-        self.append(order, 0);
+        self.append(order, (0, vehicle));
         // The vehicle stands on the first node.
         self.traverse();
         Ok(())
     }
 
-    fn update(&mut self, order: &Order) -> Result<(), Report> {
+    fn update(&mut self, order: &Order, vehicle: &VehicleDescription) -> Result<(), Report> {
         let wrong = |words: &str| Err(refusal("orderUpdateError", order, words, &[]));
         if self.is_cancelled {
             return wrong("the order was cancelled");
@@ -159,12 +166,12 @@ impl HeldOrder {
         self.action_states
             .retain(|state| state.action_status != "WAITING" || kept.contains(&state.action_id));
         self.order_update_id = order.order_update_id;
-        self.append(order, 1);
+        self.append(order, (1, vehicle));
         Ok(())
     }
 
     /// The nodes of an order from one on, and all its edges.
-    fn append(&mut self, order: &Order, from: usize) {
+    fn append(&mut self, order: &Order, (from, vehicle): (usize, &VehicleDescription)) {
         let nodes = order.nodes.iter().skip(from);
         for node in nodes {
             let waiting = |action: &Action| state_of(action, "WAITING", None);
@@ -175,6 +182,8 @@ impl HeldOrder {
             edge_id: edge.edge_id.clone(),
             sequence_id: edge.sequence_id,
             released: edge.released,
+            speed_max_mps: edge.max_speed.filter(|limit_mps| *limit_mps < vehicle.speed_max_mps),
+            turn_max_radps: edge.max_rotation_speed,
         }));
     }
 
@@ -189,16 +198,13 @@ impl HeldOrder {
         self.last_node_sequence_id = node.sequence_id;
         self.last_node_id = node.node_id;
         self.ordered = None;
-        for action in node.actions {
-            let left_s = action.number("duration").unwrap_or(0.0);
-            self.running.push(RunningWait { action, left_s });
-        }
+        self.running.extend(node.actions.into_iter().map(RunningAction::new));
     }
 
     /// The vehicle at a moment: nodes that it traverses, actions that end. True when something changed.
     pub fn follow(&mut self, moment: &VehicleMoment) -> bool {
         let lasted_s = moment.now_s - self.last_s.replace(moment.now_s).unwrap_or(moment.now_s);
-        let has_waited = !moment.is_paused && self.run_actions(lasted_s.max(0.0));
+        let has_waited = self.run_actions(lasted_s.max(0.0), moment);
         let has_passed = self.is_traversed(moment);
         if has_passed {
             self.traverse();
@@ -212,34 +218,25 @@ impl HeldOrder {
         if sequence != node.sequence_id {
             return false;
         }
-        let is_on_the_way = self.nodes.get(1).is_some_and(|next| next.released) && node.actions.is_empty();
+        let goes_on = |next: &Node| next.released && !self.is_slower_before(next, node);
+        let is_on_the_way = self.nodes.get(1).is_some_and(goes_on) && node.actions.is_empty();
         let within_m = within_m(node).unwrap_or(PASSES_WITHIN_M);
         let is_near = moment.pose.is_some_and(|pose| distance_m(node, pose) <= within_m);
         let turned = node.node_position.as_ref().and_then(|position| position.theta);
         moment.reached == Some(number) || (is_on_the_way && is_near && turned.is_none())
     }
 
-    /// Actions of the node where the vehicle stands: in their order, those that block hard alone. True when one changed.
-    fn run_actions(&mut self, lasted_s: f64) -> bool {
-        let mut has_changed = false;
-        let mut is_blocked = false;
-        let mut done = Vec::new();
-        for (index, wait) in self.running.iter_mut().enumerate() {
-            let is_hard = wait.action.blocking_type == "HARD";
-            if is_blocked || (is_hard && index > done.len()) {
-                break;
-            }
-            is_blocked = is_hard;
-            let name = wait.action.action_id.clone();
-            has_changed |= set_state(&mut self.action_states, &name, "RUNNING");
-            wait.left_s -= lasted_s;
-            if wait.left_s <= 0.0 {
-                has_changed |= set_state(&mut self.action_states, &name, "FINISHED");
-                done.push(name);
-            }
-        }
-        self.running.retain(|wait| !done.contains(&wait.action.action_id));
-        has_changed
+    /// The edge that leads to a node.
+    fn edge_to(&self, node: &Node) -> Option<&EdgeToDrive> {
+        self.edges.iter().find(|edge| edge.sequence_id + 1 == node.sequence_id)
+    }
+
+    /// The way to a node is to be driven more slowly than that to the one before it: the vehicle stands between them, so that it is
+    /// nowhere too fast.
+    fn is_slower_before(&self, next: &Node, node: &Node) -> bool {
+        let speed = |node: &Node| self.edge_to(node)?.speed_max_mps;
+        let slower = |next_mps: f64| speed(node).is_none_or(|before_mps| next_mps < before_mps);
+        speed(next).is_some_and(slower)
     }
 
     /// Where to drive next, if it was not ordered yet; none while an action blocks, or at the end of the base.
@@ -256,6 +253,9 @@ impl HeldOrder {
         let onwards = self.nodes.get(1).and_then(|next| next.node_position.as_ref());
         // Without a heading the vehicle arrives as it will drive on.
         let free_rad = onwards.map_or(0.0, |next| libm::atan2(next.y - position.y, next.x - position.x));
+        let edge = self.edge_to(&node);
+        let (speed_max_mps, turn_max_radps) =
+            edge.map_or((None, None), |edge| (edge.speed_max_mps, edge.turn_max_radps));
         self.place_number = self.place_number.wrapping_add(1);
         self.ordered = Some((self.place_number, sequence));
         let theta_within =
@@ -269,6 +269,8 @@ impl HeldOrder {
             },
             within_m: within_m(&node).unwrap_or(vehicle.within_m),
             within_rad: if position.theta.is_some() { theta_within } else { std::f64::consts::PI },
+            speed_max_mps,
+            turn_max_radps,
         })
     }
 
@@ -286,12 +288,14 @@ impl HeldOrder {
         self.nodes.clear();
         self.edges.clear();
         self.running.clear();
+        self.due.clear();
         self.ordered = None;
         self.is_cancelled = true;
         for state in &mut self.action_states {
-            if matches!(state.action_status.as_str(), "WAITING" | "RUNNING" | "INITIALIZING") {
+            if !matches!(state.action_status.as_str(), "FINISHED" | "FAILED") {
                 "FAILED".clone_into(&mut state.action_status);
-                state.result_description = Some("the order was cancelled".to_owned());
+                let so_far = state.result_description.take().unwrap_or_default();
+                state.result_description = Some(joined("the order was cancelled", &so_far));
             }
         }
         true
@@ -334,13 +338,6 @@ pub fn state_of(action: &Action, status: &str, result: Option<String>) -> Action
         action_status: status.to_owned(),
         result_description: result,
     }
-}
-
-fn set_state(states: &mut [ActionState], name: &str, status: &str) -> bool {
-    let Some(state) = states.iter_mut().find(|state| state.action_id == name) else { return false };
-    let is_new = state.action_status != status;
-    status.clone_into(&mut state.action_status);
-    is_new
 }
 
 fn distance_m(node: &Node, pose: VehiclePose) -> f64 {

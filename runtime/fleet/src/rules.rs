@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::cleaning::{CLEAN_ACTION, refused_cleaning};
 use super::messages::{Action, Node, Order, OrderEdge, Reference, Report};
 use super::vehicle::VehicleDescription;
 
@@ -26,15 +27,9 @@ pub const IDENTIFIER_MAX: usize = 256;
 /// Farther from the origin is no place, metres.
 const PLACE_MAX_M: f64 = 1.0e5;
 /// Fields of edges that this vehicle, which finds its own way, cannot use.
-const UNUSABLE: [&str; 7] = [
-    "trajectory",
-    "corridor",
-    "orientation",
-    "orientationType",
-    "direction",
-    "rotationAllowed",
-    "maxRotationSpeed",
-];
+const UNUSABLE: [&str; 5] = ["trajectory", "corridor", "orientation", "orientationType", "direction"];
+/// More slowly this vehicle cannot drive, m/s, and turn, rad/s: it would count as standing.
+const SLOWEST: (f64, f64) = (0.1, 0.1);
 
 /// An error of the vehicle with what it is about.
 pub fn report(kind: &str, words: impl Into<String>, references: &[(&str, &str)]) -> Report {
@@ -133,18 +128,31 @@ fn usable_node(order: &Order, node: &Node, vehicle: &VehicleDescription) -> Resu
     if numbers.iter().any(|number| !number.is_finite() || number.abs() > PLACE_MAX_M) {
         return wrong("no place on a map".to_owned(), "nodePosition");
     }
-    match node.actions.iter().find(|action| !is_usable(action)) {
-        Some(action) => wrong(format!("this vehicle does no {} at a node", action.action_type), "actions"),
+    let refused = |action: &Action| Some((action.action_id.clone(), refused_action(action, vehicle)?));
+    match node.actions.iter().find_map(refused) {
+        Some((name, words)) => {
+            let of = [("nodeId", node.node_id.as_str()), ("field", "actions"), ("actionId", &name)];
+            Err(refusal("orderError", order, words, &of))
+        }
         None => Ok(()),
     }
 }
 
-fn is_usable(action: &Action) -> bool {
-    let seconds = action.number("duration");
-    let is_known_block = matches!(action.blocking_type.as_str(), "NONE" | "SOFT" | "HARD");
-    action.action_type == WAIT_ACTION
-        && is_known_block
-        && seconds.is_some_and(|seconds| (0.0..=86_400.0).contains(&seconds))
+/// Why this vehicle does not do an action at a node.
+fn refused_action(action: &Action, vehicle: &VehicleDescription) -> Option<String> {
+    let kind = action.action_type.as_str();
+    if !matches!(action.blocking_type.as_str(), "NONE" | "SOFT" | "HARD") {
+        return Some(format!("{} is no blockingType", action.blocking_type));
+    }
+    match kind {
+        CLEAN_ACTION => refused_cleaning(action, &vehicle.cleaning),
+        WAIT_ACTION => {
+            let is_given =
+                action.number("duration").is_some_and(|seconds| (0.0..=86_400.0).contains(&seconds));
+            (!is_given).then(|| "wait needs duration, seconds up to 86400".to_owned())
+        }
+        _ => Some(format!("this vehicle does no {kind} at a node; it does {CLEAN_ACTION} and {WAIT_ACTION}")),
+    }
 }
 
 fn usable_edge(order: &Order, edge: &OrderEdge, vehicle: &VehicleDescription) -> Result<(), Report> {
@@ -152,10 +160,17 @@ fn usable_edge(order: &Order, edge: &OrderEdge, vehicle: &VehicleDescription) ->
         Err(refusal("orderError", order, words, &[("edgeId", &edge.edge_id), ("field", field)]))
     };
     if !edge.actions.is_empty() {
-        return wrong("this vehicle does nothing on edges", "actions");
+        return wrong("this vehicle does nothing on edges; put the action at a node", "actions");
     }
-    if edge.max_speed.is_some_and(|limit_mps| limit_mps < vehicle.speed_max_mps) {
-        return wrong("this vehicle limits its speed by itself and takes no lower limit", "maxSpeed");
+    let is_under = |limit: Option<f64>, least: f64| limit.is_some_and(|limit| limit < least);
+    if is_under(edge.max_speed, SLOWEST.0) {
+        return wrong("more slowly than 0.1 m/s this vehicle cannot drive", "maxSpeed");
+    }
+    if is_under(edge.max_rotation_speed, SLOWEST.1) {
+        return wrong("more slowly than 0.1 rad/s this vehicle cannot turn", "maxRotationSpeed");
+    }
+    if edge.rotation_allowed == Some(false) {
+        return wrong("this vehicle cannot drive to a place without turning", "rotationAllowed");
     }
     if edge.max_height.is_some_and(|limit_m| limit_m < vehicle.size_m[2]) {
         return wrong("this vehicle is taller", "maxHeight");

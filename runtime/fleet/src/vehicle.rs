@@ -24,6 +24,26 @@ pub struct VehicleDescription {
     pub within_m: f64,
     /// And within, radians.
     pub within_rad: f64,
+    /// What it cleans with, if it cleans on order.
+    pub cleaning: Cleaning,
+}
+
+/// Whether a vehicle cleans on order.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cleaning {
+    /// It does, and promises this where an order says nothing else.
+    Offered(CleaningPromise),
+    /// It does not, and why.
+    Refused(String),
+}
+
+/// What a cell that a vehicle calls clean may still hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CleaningPromise {
+    /// Units of dirt that may stay in it.
+    pub tolerated_units: u8,
+    /// Probability with which it holds no more, 0…1.
+    pub confidence: f64,
 }
 
 /// Where the vehicle is.
@@ -87,6 +107,45 @@ pub struct VehicleMoment {
     pub is_field_violated: bool,
     /// What is wrong.
     pub faults: Vec<VehicleFault>,
+    /// The newest cleaning since the vehicle was switched on.
+    pub cleaning: Option<CleaningMoment>,
+}
+
+/// How a cleaning stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CleaningStage {
+    /// The vehicle cleans, or is held.
+    Running,
+    /// It is done, with everything that was asked for.
+    Finished,
+    /// It has ended with less, or never began, and why.
+    Failed(String),
+}
+
+/// A cleaning at a moment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CleaningMoment {
+    /// Its number, of those that were ordered.
+    pub number: u32,
+    /// How it stands.
+    pub stage: CleaningStage,
+    /// How far it is, in words.
+    pub words: String,
+}
+
+/// A part of the floor to clean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CleaningPlace {
+    /// Counts the cleanings; [`CleaningMoment::number`] names it.
+    pub number: u32,
+    /// Corners in order, metres; none: the whole floor.
+    pub corners_m: Vec<[f64; 2]>,
+    /// Units of dirt that may stay in a clean cell, where the order says so.
+    pub tolerated_units: Option<u8>,
+    /// Probability with which a clean cell holds no more, 0…1, where the order says so.
+    pub confidence: Option<f64>,
+    /// It was begun before the program ended: what was cleaned is known, as far as the vehicle keeps it.
+    pub goes_on: bool,
 }
 
 /// A place to drive to.
@@ -100,14 +159,22 @@ pub struct OrderedPlace {
     pub within_m: f64,
     /// And within, radians; π: any heading.
     pub within_rad: f64,
+    /// No faster on the way there, m/s, where the order says so.
+    pub speed_max_mps: Option<f64>,
+    /// And no faster turning, rad/s.
+    pub turn_max_radps: Option<f64>,
 }
 
 /// What the vehicle is to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum VehicleCommand {
     /// Drive there.
     Goto(OrderedPlace),
-    /// Stand, with nowhere to go.
+    /// Clean there, from where it stands.
+    Clean(CleaningPlace),
+    /// Give up what is being cleaned.
+    EndCleaning,
+    /// Stand, with nowhere to go and nothing to clean.
     Stand,
     /// Pause.
     Pause,

@@ -84,6 +84,12 @@ pub struct OrderEdge {
     /// Greatest height of the vehicle, metres.
     #[serde(default)]
     pub max_height: Option<f64>,
+    /// Greatest turning rate, rad/s.
+    #[serde(default)]
+    pub max_rotation_speed: Option<f64>,
+    /// Turning on it is allowed.
+    #[serde(default)]
+    pub rotation_allowed: Option<bool>,
     /// What to do on it.
     #[serde(default)]
     pub actions: Vec<Action>,

@@ -13,7 +13,9 @@ use serde_json::{Value, json};
 use super::orders::{instant, order, vehicle};
 use crate::broker::FleetLink;
 use crate::mqtt::{BrokerAddress, MqttVersion};
-use crate::vehicle::{VehicleCommand, VehicleMoment, VehiclePose};
+use crate::vehicle::{
+    CleaningMoment, CleaningPlace, CleaningStage, VehicleCommand, VehicleMoment, VehiclePose,
+};
 
 const PROGRAM: &str = "/usr/sbin/mosquitto";
 /// No step takes longer where it works.
@@ -151,6 +153,7 @@ struct Robot {
     began: Instant,
     places: Vec<f64>,
     states: Vec<Value>,
+    cleanings: Vec<CleaningPlace>,
 }
 
 impl Robot {
@@ -159,7 +162,14 @@ impl Robot {
         let pose = Some(VehiclePose::default());
         let moment =
             VehicleMoment { pose, is_automatic: true, is_localised: true, ..VehicleMoment::default() };
-        Self { link: Some(link), moment, began: Instant::now(), places: Vec::new(), states: Vec::new() }
+        Self {
+            link: Some(link),
+            moment,
+            began: Instant::now(),
+            places: Vec::new(),
+            states: Vec::new(),
+            cleanings: Vec::new(),
+        }
     }
 
     fn step(&mut self) {
@@ -171,11 +181,53 @@ impl Robot {
                     self.places.push(place.pose.x_m);
                     (self.moment.pose, self.moment.reached) = (Some(place.pose), Some(place.number));
                 }
+                VehicleCommand::Clean(place) => {
+                    self.cleaned(place.number, CleaningStage::Running);
+                    self.cleanings.push(place);
+                }
                 VehicleCommand::Pause => self.moment.is_paused = true,
                 VehicleCommand::Resume => self.moment.is_paused = false,
                 _ => {}
             }
         }
+    }
+}
+
+impl Robot {
+    fn cleaned(&mut self, number: u32, stage: CleaningStage) {
+        let words = "9 of 9 dirty cells are clean".to_owned();
+        self.moment.cleaning = Some(CleaningMoment { number, stage, words });
+    }
+}
+
+/// The broker goes while the robot cleans, and the cleaning ends meanwhile: the master hears of it, and it is done once.
+#[test]
+fn cleaning_ends_while_the_broker_is_away() {
+    for mqtt in [MqttVersion::V3, MqttVersion::V5] {
+        let folder = tempfile::tempdir().unwrap();
+        let Some((mut broker, master, mut robot)) = joined(mqtt, folder.path()) else { return };
+        let mut message = order("a", 0, (0, 3, 0));
+        message["nodes"][1]["actions"] = json!([super::cleaning::clean("c1", json!([]))]);
+        master.send("order", &message);
+        let is = |state: &Value, wanted: &str| state["actionStates"][0]["actionStatus"] == wanted;
+        master.until(&mut robot, "state", |state| is(state, "RUNNING"));
+        let away = thread::spawn(move || {
+            broker.restart(Duration::from_millis(300));
+            broker
+        });
+        thread::sleep(Duration::from_millis(100));
+        let number = robot.cleanings[0].number;
+        robot.cleaned(number, CleaningStage::Finished);
+        for _ in 0..20 {
+            robot.step();
+            thread::sleep(Duration::from_millis(10));
+        }
+        let broker = away.join().unwrap();
+        let done = master.until(&mut robot, "state", |state| is(state, "FINISHED"));
+        assert_eq!(done["actionStates"][0]["resultDescription"], "9 of 9 dirty cells are clean");
+        master.until(&mut robot, "state", |state| state["lastNodeId"] == "n2");
+        assert_eq!((robot.places.as_slice(), robot.cleanings.len()), ([1.0, 2.0].as_slice(), 1), "{mqtt:?}");
+        drop(broker);
     }
 }
 
@@ -273,7 +325,7 @@ fn order_survives(mqtt: MqttVersion) {
     let Some((mut broker, master, mut robot)) = joined(mqtt, folder.path()) else { return };
     master.send("instantActions", &instant("factsheetRequest", "f", json!([])));
     let sheet = master.until(&mut robot, "factsheet", |_| true);
-    assert_eq!(sheet["protocolFeatures"]["agvActions"].as_array().unwrap().len(), 8);
+    assert_eq!(sheet["protocolFeatures"]["agvActions"].as_array().unwrap().len(), 9);
     master.send("order", &order("a", 0, (0, 3, 0)));
     master.until(&mut robot, "state", |state| state["lastNodeId"] == "n2");
     // While the broker is away the robot is paused and goes on: the master hears of both.

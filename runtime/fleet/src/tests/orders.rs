@@ -1,10 +1,14 @@
 //! Orders and actions, without a broker.
 
+use std::path::PathBuf;
+
 use serde_json::{Value, json};
 
 use crate::agent::FleetAgent;
 use crate::messages::Topic;
-use crate::vehicle::{VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose};
+use crate::vehicle::{
+    Cleaning, CleaningPromise, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose,
+};
 
 pub fn vehicle(serial: &str) -> VehicleDescription {
     VehicleDescription {
@@ -18,6 +22,7 @@ pub fn vehicle(serial: &str) -> VehicleDescription {
         outline_m: vec![[-0.3, -0.4], [0.9, -0.4], [0.9, 0.4], [-0.3, 0.4]],
         within_m: 0.25,
         within_rad: 0.17,
+        cleaning: Cleaning::Offered(CleaningPromise { tolerated_units: 5, confidence: 0.99 }),
     }
 }
 
@@ -46,35 +51,39 @@ pub fn instant(kind: &str, name: &str, parameters: Value) -> Value {
 }
 
 /// A robot that is where it is ordered to be a moment later.
-struct Driven {
-    agent: FleetAgent,
-    moment: VehicleMoment,
-    places: Vec<f64>,
-    commands: Vec<VehicleCommand>,
+pub struct Driven {
+    pub agent: FleetAgent,
+    pub moment: VehicleMoment,
+    pub places: Vec<f64>,
+    pub commands: Vec<VehicleCommand>,
 }
 
 impl Driven {
-    fn new() -> Self {
+    pub fn new() -> Self {
+        Self::of(vehicle("7"), None)
+    }
+
+    pub fn of(vehicle: VehicleDescription, folder: Option<PathBuf>) -> Self {
         let moment = VehicleMoment {
             pose: Some(VehiclePose::default()),
             is_localised: true,
             is_automatic: true,
             ..VehicleMoment::default()
         };
-        let agent = FleetAgent::open(vehicle("7"), None).unwrap();
+        let agent = FleetAgent::open(vehicle, folder).unwrap();
         let mut robot = Self { agent, moment, places: Vec::new(), commands: Vec::new() };
         robot.step();
         robot
     }
 
-    fn send(&mut self, topic: Topic, message: &Value) -> Value {
+    pub fn send(&mut self, topic: Topic, message: &Value) -> Value {
         let outcome = self.agent.receive(topic, message.to_string().as_bytes());
         self.commands.extend(outcome.commands);
         self.step()
     }
 
     /// The next state, or null.
-    fn step(&mut self) -> Value {
+    pub fn step(&mut self) -> Value {
         self.moment.now_s += 0.5;
         let outcome = self.agent.attend(self.moment.clone(), "2026-11-24T04:00:00.000Z");
         for command in &outcome.commands {
@@ -89,12 +98,12 @@ impl Driven {
         states.next_back().map_or(Value::Null, |message| serde_json::from_str(&message.payload).unwrap())
     }
 
-    fn drive(&mut self) -> Value {
+    pub fn drive(&mut self) -> Value {
         (0..40).map(|_| self.step()).filter(|state| !state.is_null()).last().unwrap_or_default()
     }
 }
 
-fn errors(state: &Value) -> Vec<&str> {
+pub fn errors(state: &Value) -> Vec<&str> {
     state["errors"].as_array().unwrap().iter().map(|error| error["errorType"].as_str().unwrap()).collect()
 }
 
@@ -128,7 +137,7 @@ fn refused_orders_name_standard_errors() {
         change(&mut message);
         message
     };
-    let cases: [(&str, Value); 9] = [
+    let cases: [(&str, Value); 11] = [
         ("validationError", changed(&|order| order["edges"] = json!([]))),
         ("validationError", changed(&|order| order["nodes"][1]["sequenceId"] = json!(3))),
         ("validationError", changed(&|order| order["nodes"][0]["released"] = json!(false))),
@@ -136,7 +145,9 @@ fn refused_orders_name_standard_errors() {
         ("validationError", changed(&|order| order["edges"][0]["endNodeId"] = json!("elsewhere"))),
         ("orderError", changed(&|order| order["nodes"][1]["nodePosition"]["mapId"] = json!("roof"))),
         ("orderError", changed(&|order| order["edges"][0]["trajectory"] = json!({"degree": 1}))),
-        ("orderError", changed(&|order| order["edges"][0]["maxSpeed"] = json!(0.2))),
+        ("orderError", changed(&|order| order["edges"][0]["maxSpeed"] = json!(0.05))),
+        ("orderError", changed(&|order| order["edges"][0]["maxRotationSpeed"] = json!(0.0))),
+        ("orderError", changed(&|order| order["edges"][0]["rotationAllowed"] = json!(false))),
         ("orderError", changed(&|order| order["nodes"][0]["nodePosition"]["x"] = json!(50.0))),
     ];
     for (expected, message) in cases {
