@@ -9,8 +9,9 @@ use super::run::RunArguments;
 use crate::robot_file::listed;
 use floorguard_configuration::HostedConfiguration;
 use floorguard_robot::assembly::{LatchFile, latched_words};
-use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};
+use floorguard_robot::cleaner::{CleaningOrders, MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
+use floorguard_robot::navigator::NavigationSetup;
 
 /// Nothing drives with gaps of its sensors that the file does not accept by name.
 pub(super) fn refuse_unaccepted(
@@ -61,4 +62,29 @@ pub(super) fn mission_of(
     let begun = setup.begin(&configuration.robot).map_err(refuse)?;
     say!("  mission: {}", begun.progress(clock::now()).words());
     Ok(Some(setup))
+}
+
+/// The mission of the file as a fleet's master orders it, part by part, beside a drive; or why it orders none.
+pub(super) fn ordered_mission_of(
+    folder: &Path,
+    configuration: &HostedConfiguration,
+    drive: &NavigationSetup,
+) -> Result<MissionSetup, String> {
+    if configuration.fleet.is_none() || drive.orders.is_none() {
+        return Err("no fleet orders what this robot does".to_owned());
+    }
+    let Some(mission) = &configuration.mission else {
+        return Err("robot.toml has no [mission]; write one with the map of [navigation]".to_owned());
+    };
+    let map = configuration.navigation.as_ref().and_then(|navigation| navigation.map.as_ref());
+    if map != Some(&mission.map) {
+        return Err("the map of [mission] is not that of [navigation]; name the same file in both".to_owned());
+    }
+    let refuse = |error: anyhow::Error| format!("[mission]: {error:#}");
+    let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
+    let orders = Some(CleaningOrders::default());
+    let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save))).ordered_by(orders);
+    // Before anything moves: a floor that is too small for the robot is reported now.
+    setup.begin(&configuration.robot).map_err(refuse)?;
+    Ok(setup)
 }

@@ -110,7 +110,7 @@ pub struct SimulateArguments {
     /// What is shown live.
     #[command(flatten)]
     pub live: LiveOutputs,
-    /// In real time, drive where the master of a fleet orders (VDA 5050 over MQTT) instead of cleaning or the route:
+    /// In real time, drive and clean where the master of a fleet orders (VDA 5050 over MQTT) instead of the mission or the route:
     /// `--fleet 127.0.0.1:1883/robot-7`. Needs the feature `fleet`.
     #[arg(long, value_name = "HOST:PORT/SERIAL", value_parser = fleet_broker, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io", "driven", "command"])]
     pub fleet: Option<FleetConfiguration>,
@@ -252,7 +252,9 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     }
     plan = plan.with_scanner(arguments.scanner.model())?.with_imu(arguments.imu.model())?;
     plan.command.clone_from(&arguments.command);
-    if arguments.fleet.is_some() || arguments.ros2_goals {
+    if arguments.fleet.is_some() {
+        plan = plan.ordered()?.cleaning_on_order()?;
+    } else if arguments.ros2_goals {
         plan = plan.ordered()?;
     } else if arguments.places.are_given() {
         plan = arguments.places.plan(plan)?;

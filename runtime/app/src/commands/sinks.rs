@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use super::fleet::{FleetOpening, join};
+use super::fleet::{CleaningOffer, FleetOpening, join};
 use super::interrupt::end_at_ctrl_c;
 use super::live_outputs::LiveOutputs;
 use super::panel::{PanelOpening, open_panel};
@@ -50,7 +50,10 @@ pub(super) fn open_sinks(sinks: &mut RunSinks, plan: &Plan, outputs: SinkOutputs
     }
     if let (Some(fleet), Some(orders)) = (&fleet, plan.drive_orders.clone()) {
         let robot = &plan.robot;
-        sinks.links.push(join(FleetOpening { fleet, folder: None, robot, settings, orders })?);
+        let mission = plan.mission.as_ref();
+        let cleaning = mission.and_then(|mission| CleaningOffer::of(mission, plan.cleaning_orders.clone()));
+        let cleaning = cleaning.ok_or_else(|| "this run has no mission".to_owned());
+        sinks.links.push(join(FleetOpening { fleet, folder: None, robot, settings, orders, cleaning })?);
     }
     end_at_ctrl_c(&sinks.ended, "the run ends here")?;
     if let Some(address) = panel {
