@@ -8,6 +8,7 @@ pub mod commands;
 pub mod doctor;
 pub mod evaluation;
 pub(crate) mod files;
+pub mod fleets;
 pub mod learning;
 pub mod mapping_commands;
 pub mod recordings;

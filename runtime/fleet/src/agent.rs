@@ -159,8 +159,8 @@ impl FleetAgent {
             self.is_changed = true;
             self.keep_order();
         }
-        outcome.commands.append(&mut self.held.take_due());
-        for (action, words) in self.held.take_failed() {
+        outcome.commands.append(&mut self.held.actions.take_due());
+        for (action, words) in self.held.actions.take_failed() {
             let of = [
                 ("orderId", self.held.order_id.as_str()),
                 ("nodeId", &self.held.last_node_id),
@@ -187,7 +187,7 @@ impl FleetAgent {
             self.pauses.iter().filter(|pending| settled(pending)).map(|pending| pending.action_id.clone());
         let mut done: Vec<String> = paused.collect();
         self.pauses.retain(|pending| !settled(pending));
-        let is_cleaning = |told: &CleaningMoment| told.stage == CleaningStage::Running;
+        let is_cleaning = |cleaning: &CleaningMoment| cleaning.stage == CleaningStage::Running;
         if !is_driving && !self.moment.cleaning.as_ref().is_some_and(is_cleaning) {
             done.append(&mut self.cancelling);
         }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::messages::{Action, ActionState, EdgeState, Node, NodeState, Order, Report};
 use super::rules::{refusal, usable, validate};
-use super::running::{RunningAction, joined};
-use super::vehicle::{OrderedPlace, VehicleCommand, VehicleDescription, VehicleMoment, VehiclePose};
+use super::running::{NodeActions, joined};
+use super::vehicle::{OrderedPlace, VehicleDescription, VehicleMoment, VehiclePose};
 
 /// The first node of an order counts as reached within, metres, where the order does not say: the vehicle comes from anywhere.
 const START_WITHIN_M: f64 = 1.0;
@@ -42,21 +42,15 @@ pub struct HeldOrder {
     pub edges: Vec<EdgeToDrive>,
     /// Its actions, and instant ones.
     pub action_states: Vec<ActionState>,
-    /// Actions of the newest node that are not over.
-    pub(super) running: Vec<RunningAction>,
+    /// Actions of the newest node.
+    #[serde(flatten)]
+    pub actions: NodeActions,
     /// The master has cancelled it.
     is_cancelled: bool,
     /// The last number of a place.
     pub place_number: u32,
     /// Nodes traversed so far, of all orders.
     pub traversed: u64,
-    /// The last number of a cleaning.
-    #[serde(default)]
-    pub cleaning_number: u32,
-    #[serde(skip)]
-    pub(super) due: Vec<VehicleCommand>,
-    #[serde(skip)]
-    pub(super) failed: Vec<(Action, String)>,
     #[serde(skip)]
     ordered: Option<(u32, u32)>,
     #[serde(skip)]
@@ -81,7 +75,7 @@ impl HeldOrder {
     /// The vehicle has something to do, or waits for an update.
     #[must_use]
     pub fn is_active(&self) -> bool {
-        !self.nodes.is_empty() || !self.running.is_empty()
+        !self.nodes.is_empty() || !self.actions.is_empty()
     }
 
     /// An order that came.
@@ -130,7 +124,7 @@ impl HeldOrder {
             return Err(refusal("orderError", order, why, &[("nodeId", &first.node_id)]));
         }
         self.action_states.clear();
-        self.running.clear();
+        self.actions.clear();
         self.nodes.clear();
         self.edges.clear();
         self.order_id.clone_from(&order.order_id);
@@ -161,8 +155,7 @@ impl HeldOrder {
         self.edges.retain(|edge| horizon(edge.released));
         let kept: Vec<&str> =
             self.nodes.iter().flat_map(|node| &node.actions).map(|one| one.action_id.as_str()).collect();
-        let waits = self.running.iter().map(|wait| wait.action.action_id.as_str());
-        let kept: Vec<String> = kept.into_iter().chain(waits).map(str::to_owned).collect();
+        let kept: Vec<String> = kept.into_iter().chain(self.actions.names()).map(str::to_owned).collect();
         self.action_states
             .retain(|state| state.action_status != "WAITING" || kept.contains(&state.action_id));
         self.order_update_id = order.order_update_id;
@@ -198,13 +191,13 @@ impl HeldOrder {
         self.last_node_sequence_id = node.sequence_id;
         self.last_node_id = node.node_id;
         self.ordered = None;
-        self.running.extend(node.actions.into_iter().map(RunningAction::new));
+        self.actions.begin(node.actions);
     }
 
     /// The vehicle at a moment: nodes that it traverses, actions that end. True when something changed.
     pub fn follow(&mut self, moment: &VehicleMoment) -> bool {
         let lasted_s = moment.now_s - self.last_s.replace(moment.now_s).unwrap_or(moment.now_s);
-        let has_waited = self.run_actions(lasted_s.max(0.0), moment);
+        let has_waited = self.actions.run(&mut self.action_states, (lasted_s.max(0.0), moment));
         let has_passed = self.is_traversed(moment);
         if has_passed {
             self.traverse();
@@ -241,7 +234,7 @@ impl HeldOrder {
 
     /// Where to drive next, if it was not ordered yet; none while an action blocks, or at the end of the base.
     pub fn next_place(&mut self, vehicle: &VehicleDescription) -> Option<OrderedPlace> {
-        if self.running.iter().any(|wait| wait.action.blocking_type != "NONE") {
+        if self.actions.block_drive() {
             return None;
         }
         let node = self.nodes.first().filter(|node| node.released)?;
@@ -287,8 +280,7 @@ impl HeldOrder {
         }
         self.nodes.clear();
         self.edges.clear();
-        self.running.clear();
-        self.due.clear();
+        self.actions.clear();
         self.ordered = None;
         self.is_cancelled = true;
         for state in &mut self.action_states {

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::cleaning::{CLEAN_ACTION, cleaning_of};
 use super::messages::{Action, ActionState};
-use super::order::HeldOrder;
 use super::vehicle::{CleaningMoment, CleaningStage, VehicleCommand, VehicleMoment};
 
 /// A vehicle that has not begun a cleaning after so long does not begin it, seconds: making ready for a large floor takes some.
@@ -12,8 +11,8 @@ const BEGINS_WITHIN_S: f64 = 60.0;
 
 /// An action that runs, or waits for one that does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RunningAction {
-    pub(super) action: Action,
+struct RunningAction {
+    action: Action,
     /// Seconds that it still stands, or may still clean.
     left_s: f64,
     /// Number of its cleaning; 0: none was ordered.
@@ -25,7 +24,7 @@ pub struct RunningAction {
     /// Since this cleaning was ordered of the vehicle by this program, seconds.
     #[serde(skip)]
     ordered_s: Option<f64>,
-    /// The vehicle has told of it.
+    /// The vehicle has reported it.
     #[serde(skip)]
     is_seen: bool,
 }
@@ -48,7 +47,7 @@ impl Step {
 
 impl RunningAction {
     /// It begins with the node, or when those before it are done.
-    pub(super) fn new(action: Action) -> Self {
+    fn new(action: Action) -> Self {
         let cleaned_s = || cleaning_of(&action, 0).map_or(0.0, |(_, longest_s)| longest_s);
         let left_s = if action.action_type == CLEAN_ACTION {
             cleaned_s()
@@ -65,9 +64,9 @@ impl RunningAction {
 
     /// Gives what the vehicle is to do beside how it stands.
     fn clean(&mut self, lasted_s: f64, moment: &VehicleMoment) -> (Step, Option<VehicleCommand>) {
-        let told = moment.cleaning.as_ref().filter(|told| told.number == self.cleaning);
-        match (told, self.ordered_s) {
-            (Some(told), Some(_)) => self.watch(told, lasted_s),
+        let reported = moment.cleaning.as_ref().filter(|reported| reported.number == self.cleaning);
+        match (reported, self.ordered_s) {
+            (Some(reported), Some(_)) => self.watch(reported, lasted_s),
             // The vehicle's computer has lost its power meanwhile.
             (None, Some(_)) if self.is_seen => (Step::of("INITIALIZING"), self.order(true, moment)),
             (None, Some(waited_s)) if waited_s > BEGINS_WITHIN_S => {
@@ -96,12 +95,12 @@ impl RunningAction {
         Some(VehicleCommand::Clean(place))
     }
 
-    fn watch(&mut self, told: &CleaningMoment, lasted_s: f64) -> (Step, Option<VehicleCommand>) {
+    fn watch(&mut self, reported: &CleaningMoment, lasted_s: f64) -> (Step, Option<VehicleCommand>) {
         self.is_seen = true;
         self.left_s -= lasted_s;
-        let words = told.words.as_str();
+        let words = reported.words.as_str();
         let step = |status, result: String| Step { status, result: Some(result) };
-        match &told.stage {
+        match &reported.stage {
             CleaningStage::Finished => (step("FINISHED", words.to_owned()), None),
             CleaningStage::Failed(why) => (step("FAILED", joined(why, words)), None),
             CleaningStage::Running if self.left_s <= 0.0 => {
@@ -117,11 +116,52 @@ pub fn joined(why: &str, words: &str) -> String {
     if words.is_empty() { why.to_owned() } else { format!("{why}; {words}") }
 }
 
-impl HeldOrder {
-    /// Actions of the node where the vehicle stands: in their order, those that block hard alone. True when one changed.
-    pub(super) fn run_actions(&mut self, lasted_s: f64, moment: &VehicleMoment) -> bool {
+/// The actions of the node where the vehicle stands that are not over.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NodeActions {
+    running: Vec<RunningAction>,
+    /// The last number of a cleaning.
+    #[serde(default)]
+    cleaning_number: u32,
+    #[serde(skip)]
+    due: Vec<VehicleCommand>,
+    #[serde(skip)]
+    failed: Vec<(Action, String)>,
+}
+
+impl NodeActions {
+    /// None is left.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.running.is_empty()
+    }
+
+    /// They begin, after those that are not over.
+    pub fn begin(&mut self, actions: Vec<Action>) {
+        self.running.extend(actions.into_iter().map(RunningAction::new));
+    }
+
+    /// Nothing more comes of them.
+    pub fn clear(&mut self) {
+        self.running.clear();
+        self.due.clear();
+    }
+
+    /// Names of those that are not over.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.running.iter().map(|one| one.action.action_id.as_str())
+    }
+
+    /// The vehicle must not drive meanwhile.
+    #[must_use]
+    pub fn block_drive(&self) -> bool {
+        self.running.iter().any(|one| one.action.blocking_type != "NONE")
+    }
+
+    /// Runs them in their order, those that block hard alone. True when one of their states changed.
+    pub fn run(&mut self, states: &mut [ActionState], (lasted_s, moment): (f64, &VehicleMoment)) -> bool {
         if moment.is_paused {
-            return self.pause_actions();
+            return self.pause(states);
         }
         let (mut has_changed, mut is_blocked) = (false, false);
         let mut left = Vec::new();
@@ -133,9 +173,9 @@ impl HeldOrder {
                 continue;
             }
             is_blocked = is_hard;
-            let step = self.run(&mut one, lasted_s, moment);
+            let step = self.step(&mut one, lasted_s, moment);
             let is_over = step.is_over();
-            has_changed |= self.set_state(&one.action, step);
+            has_changed |= self.set_state(states, &one.action, step);
             if !is_over {
                 left.push(one);
             }
@@ -144,7 +184,7 @@ impl HeldOrder {
         has_changed
     }
 
-    fn run(&mut self, one: &mut RunningAction, lasted_s: f64, moment: &VehicleMoment) -> Step {
+    fn step(&mut self, one: &mut RunningAction, lasted_s: f64, moment: &VehicleMoment) -> Step {
         if one.action.action_type != CLEAN_ACTION {
             return one.stand(lasted_s);
         }
@@ -158,9 +198,9 @@ impl HeldOrder {
     }
 
     /// What runs is paused; what has not begun stays as it is.
-    fn pause_actions(&mut self) -> bool {
+    fn pause(&self, states: &mut [ActionState]) -> bool {
         let mut has_changed = false;
-        for state in &mut self.action_states {
+        for state in states {
             let runs = self.running.iter().any(|one| one.action.action_id == state.action_id);
             if runs && state.action_status == "RUNNING" {
                 "PAUSED".clone_into(&mut state.action_status);
@@ -171,10 +211,10 @@ impl HeldOrder {
     }
 
     /// True when its status is another now: how far a cleaning is changes all the time, and goes out with the next state.
-    fn set_state(&mut self, action: &Action, step: Step) -> bool {
+    fn set_state(&mut self, states: &mut [ActionState], action: &Action, step: Step) -> bool {
         let Step { status, result } = step;
         let is_named = |state: &&mut ActionState| state.action_id == action.action_id;
-        let Some(state) = self.action_states.iter_mut().find(is_named) else { return false };
+        let Some(state) = states.iter_mut().find(is_named) else { return false };
         let is_new = state.action_status != status;
         status.clone_into(&mut state.action_status);
         if result.is_some() {

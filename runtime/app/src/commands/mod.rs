@@ -13,7 +13,6 @@ mod exit;
 mod explore;
 #[cfg(feature = "laboratory")]
 mod explore_simulated;
-mod fleet;
 mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;

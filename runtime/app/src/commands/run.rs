@@ -16,7 +16,6 @@ use floorguard_runtime::clock;
 use self::drive::WatchedDrive;
 use self::watch::Watch;
 use super::exit::BadInput;
-use super::fleet::{CleaningOffer, FleetOpening, join};
 use super::goto::navigation_of;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
@@ -24,9 +23,10 @@ use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
 use super::panel::{PanelOpening, open_panel, records_beside};
 use super::ros2::{RosEnds, RosWay};
-use super::run_begin::{latches_of, learning_of, mission_of, ordered_mission_of, refuse_unaccepted};
+use super::run_begin::{cleaning_of, latches_of, learning_of, refuse_unaccepted};
 use super::tour::TourPlaces;
 use super::values::{panel_address, seconds};
+use crate::fleets::{CleaningOffer, FleetOpening, join};
 use crate::robot_file::say_absences;
 use crate::window::leave_window;
 use floorguard_configuration::{CommandConfiguration, HostedConfiguration, ImuAddress, load};
@@ -38,7 +38,7 @@ use floorguard_robot::actuated::{WindowLinks, WindowWatch, watch_window};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, Links, run_rings};
 use floorguard_robot::camera::open_source;
-use floorguard_robot::cleaner::{MissionPlan, MissionSetup};
+use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::LearningSetup;
 use floorguard_robot::navigator::{DriveOrders, NavigationPlan, NavigationSettings, NavigationSetup};
@@ -176,20 +176,15 @@ pub(super) fn run_to(
     watch.learned = learning.as_ref().map(LearningSetup::writer);
     let errand = errand.or_else(|| takes_orders(&configuration).then_some(Errand::Ordered));
     let navigation = navigation_of((&arguments.file, folder), &configuration, errand)?;
-    let (mission, ordered) = match &navigation {
-        Some(drive) => (None, Some(ordered_mission_of(folder, &configuration, drive))),
-        None => (mission_of((arguments, folder), &configuration)?, None),
-    };
+    let (mission, offer) = cleaning_of((arguments, folder), &configuration, navigation.as_ref())?;
     let reported = Reported {
-        mission: mission.as_ref().map(|mission| &mission.plan),
+        mission: mission.as_ref().filter(|one| one.ordered.is_none()).map(|one| &one.plan),
         navigation: navigation.as_ref().map(|drive| &drive.plan),
         learning: learning.as_ref(),
         ros: ros.open(navigation.as_ref().and_then(orders_of))?,
     };
     let mut sinks = open_sinks(arguments, &configuration, reported)?;
-    let offer = ordered.clone().map(|ordered| ordered.and_then(|setup| offer_of(&setup)));
-    join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref().zip(offer))?;
-    let mission = mission.or_else(|| ordered?.ok());
+    join_fleet(&mut sinks, (&configuration, folder), navigation.as_ref().zip(Some(offer)))?;
     watch.drive = navigation.clone().map(WatchedDrive::new);
     links.navigation.clone_from(&navigation);
     watch.mission.clone_from(&mission);
@@ -327,11 +322,6 @@ fn join_fleet(
     let (robot, settings) = (&configuration.robot, drive.plan.settings);
     sinks.links.push(join(FleetOpening { fleet, folder: Some(folder), robot, settings, orders, cleaning })?);
     Ok(())
-}
-
-/// What a fleet's master may order of a mission.
-fn offer_of(setup: &MissionSetup) -> Result<CleaningOffer, String> {
-    CleaningOffer::of(&setup.plan, setup.ordered.clone()).ok_or_else(|| "it is not ordered".to_owned())
 }
 
 /// Lines from a terminal; a pipe is not an operator.

@@ -6,6 +6,7 @@ use floorguard_runtime::clock;
 
 use super::exit::BadInput;
 use super::run::RunArguments;
+use crate::fleets::CleaningOffer;
 use crate::robot_file::listed;
 use floorguard_configuration::HostedConfiguration;
 use floorguard_robot::assembly::{LatchFile, latched_words};
@@ -48,8 +49,26 @@ pub(super) fn learning_of(
     setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
 }
 
+/// What the robot cleans: the mission of the file, or beside a drive what a fleet's master orders of it.
+pub(super) fn cleaning_of(
+    (arguments, folder): (&RunArguments, &Path),
+    configuration: &HostedConfiguration,
+    drive: Option<&NavigationSetup>,
+) -> anyhow::Result<(Option<MissionSetup>, Result<CleaningOffer, String>)> {
+    let unordered = "no fleet orders what this robot cleans";
+    let Some(drive) = drive else {
+        return Ok((mission_of((arguments, folder), configuration)?, Err(unordered.to_owned())));
+    };
+    let setup = match ordered_mission_of(folder, configuration, drive) {
+        Ok(setup) => setup,
+        Err(why) => return Ok((None, Err(why))),
+    };
+    let offer = CleaningOffer::of(&setup.plan, setup.ordered.clone()).ok_or_else(|| unordered.to_owned());
+    Ok((Some(setup), offer))
+}
+
 /// The mission of the file, begun or gone on with where it was broken off.
-pub(super) fn mission_of(
+fn mission_of(
     (arguments, folder): (&RunArguments, &Path),
     configuration: &HostedConfiguration,
 ) -> anyhow::Result<Option<MissionSetup>> {
@@ -65,7 +84,7 @@ pub(super) fn mission_of(
 }
 
 /// The mission of the file as a fleet's master orders it, part by part, beside a drive; or why it orders none.
-pub(super) fn ordered_mission_of(
+fn ordered_mission_of(
     folder: &Path,
     configuration: &HostedConfiguration,
     drive: &NavigationSetup,

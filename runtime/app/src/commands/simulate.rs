@@ -11,7 +11,6 @@ use floorguard_sim::scenario::Scenario;
 
 use super::choices::{FittedImu, FittedLidar, FittedScanner};
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
-use super::fleet::fleet_broker;
 use super::live::status_of;
 use super::live_outputs::LiveOutputs;
 use super::map_here::MapHere;
@@ -20,6 +19,7 @@ use super::run_lesson::RunLesson;
 use super::simulated_places::PlacesArguments;
 use super::sinks::{SinkOutputs, open_sinks};
 use super::values::{command_address, panel_address, parse_span, simulated_seconds};
+use crate::fleets::fleet_broker;
 use floorguard_configuration::{CommandAddress, CommandConfiguration, FleetConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;

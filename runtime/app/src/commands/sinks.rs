@@ -3,11 +3,11 @@
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use super::fleet::{CleaningOffer, FleetOpening, join};
 use super::interrupt::end_at_ctrl_c;
 use super::live_outputs::LiveOutputs;
 use super::panel::{PanelOpening, open_panel};
 use super::ros2::RosWay;
+use crate::fleets::{CleaningOffer, FleetOpening, join};
 use floorguard_configuration::{FleetConfiguration, parse_recorded};
 use floorguard_laboratory::world::{Plan, record_plan, record_plan_in_real_time, watch_plan};
 use floorguard_operator::telemetry::RunSinks;

@@ -24,7 +24,7 @@ fn order_to_clean(name: &str, parameters: Value) -> Value {
     message
 }
 
-fn told(robot: &mut Driven, stage: CleaningStage, words: &str) -> Value {
+fn reported(robot: &mut Driven, stage: CleaningStage, words: &str) -> Value {
     let number = cleanings(robot).last().map_or(0, |place| place.number);
     robot.moment.cleaning = Some(CleaningMoment { number, stage, words: words.to_owned() });
     robot.step()
@@ -64,23 +64,23 @@ fn cleaning_runs_before_the_drive_goes_on() {
     let place = cleanings(&robot).remove(0);
     assert_eq!(place.corners_m, [[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]]);
     assert_eq!((place.tolerated_units, place.confidence, place.goes_on), (None, None, false));
-    let running = told(&mut robot, CleaningStage::Running, "0 of 9 dirty cells");
+    let running = reported(&mut robot, CleaningStage::Running, "0 of 9 dirty cells");
     assert_eq!(action(&running), ("RUNNING", "0 of 9 dirty cells"));
     // How far it is makes no state of its own, of which none may be lost: it goes out with the next.
-    assert!(told(&mut robot, CleaningStage::Running, "4 of 9 dirty cells").is_null());
+    assert!(reported(&mut robot, CleaningStage::Running, "4 of 9 dirty cells").is_null());
     let later = robot.drive();
     assert_eq!((action(&later), robot.places.len()), (("RUNNING", "4 of 9 dirty cells"), 1));
-    let done = told(&mut robot, CleaningStage::Finished, "9 of 9 dirty cells");
+    let done = reported(&mut robot, CleaningStage::Finished, "9 of 9 dirty cells");
     assert_eq!(action(&done), ("FINISHED", "9 of 9 dirty cells"));
     robot.drive();
     assert_eq!((robot.places.as_slice(), cleanings(&robot).len()), ([1.0, 2.0].as_slice(), 1), "once");
 }
 
 #[test]
-fn failed_cleaning_is_an_error_and_the_order_goes_on() {
+fn failed_cleaning_lets_the_order_go_on() {
     let mut robot = begun(rectangle());
-    told(&mut robot, CleaningStage::Running, "");
-    let failed = told(&mut robot, CleaningStage::Failed("no floor".to_owned()), "3 of 9 dirty cells");
+    reported(&mut robot, CleaningStage::Running, "");
+    let failed = reported(&mut robot, CleaningStage::Failed("no floor".to_owned()), "3 of 9 dirty cells");
     assert_eq!(action(&failed), ("FAILED", "no floor; 3 of 9 dirty cells"));
     assert_eq!(errors(&failed), ["cleanError"]);
     let references = failed["errors"][0]["errorReferences"].as_array().unwrap();
@@ -92,7 +92,7 @@ fn failed_cleaning_is_an_error_and_the_order_goes_on() {
 #[test]
 fn paused_and_cancelled_cleaning_says_so() {
     let mut robot = begun(rectangle());
-    told(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
+    reported(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
     robot.send(Topic::InstantActions, &instant("startPause", "p", json!([])));
     robot.moment.is_paused = true;
     let paused = robot.step();
@@ -106,7 +106,7 @@ fn paused_and_cancelled_cleaning_says_so() {
     assert_eq!(robot.commands.last(), Some(&VehicleCommand::Stand));
     let cancel = |state: &Value| state["actionStates"][3]["actionStatus"].as_str().map(str::to_owned);
     assert_eq!(cancel(&cancelled).as_deref(), Some("RUNNING"), "it stands by chance, and still cleans");
-    let stood = told(&mut robot, CleaningStage::Failed("it was given up".to_owned()), "");
+    let stood = reported(&mut robot, CleaningStage::Failed("it was given up".to_owned()), "");
     assert_eq!(cancel(&stood).as_deref(), Some("FINISHED"));
     robot.drive();
     assert_eq!(robot.places, [1.0], "nothing more is driven to");
@@ -115,7 +115,7 @@ fn paused_and_cancelled_cleaning_says_so() {
 #[test]
 fn late_or_silent_cleaning_fails_with_a_reason() {
     let mut robot = begun(json!([{"key": "maxDuration", "value": 3.0}]));
-    told(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
+    reported(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
     robot.moment.is_paused = true;
     (0..40).for_each(|_| _ = robot.step());
     robot.moment.is_paused = false;
@@ -135,7 +135,7 @@ fn restarted_program_goes_on_cleaning() {
     let mut robot = open();
     robot.send(Topic::Order, &order_to_clean("a", rectangle()));
     (0..3).for_each(|_| _ = robot.step());
-    told(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
+    reported(&mut robot, CleaningStage::Running, "4 of 9 dirty cells");
     let number = cleanings(&robot)[0].number;
     drop(robot);
     let mut again = open();
@@ -143,12 +143,12 @@ fn restarted_program_goes_on_cleaning() {
     let place = cleanings(&again).remove(0);
     assert_eq!((place.number, place.goes_on), (number, true));
     // The vehicle's own computer may lose its power while this program runs on.
-    told(&mut again, CleaningStage::Running, "5 of 9 dirty cells");
+    reported(&mut again, CleaningStage::Running, "5 of 9 dirty cells");
     again.moment.cleaning = None;
     (0..3).for_each(|_| _ = again.step());
     let ordered = cleanings(&again);
     assert_eq!((ordered.len(), ordered[1].goes_on), (2, true));
-    told(&mut again, CleaningStage::Finished, "9 of 9 dirty cells");
+    reported(&mut again, CleaningStage::Finished, "9 of 9 dirty cells");
     again.drive();
     assert_eq!((again.places.as_slice(), cleanings(&again).len()), ([2.0].as_slice(), 2));
 }

@@ -15,7 +15,7 @@ use super::plan::MissionPlan;
 const FORGOTTEN_US: u64 = 3_600_000_000;
 /// When a cell changed is noted this often, microseconds.
 const NOTED_US: u64 = 10_000_000;
-/// Farther from where the drive is, somebody has said that the robot stands there, metres.
+/// Farther from where the drive is, somebody has put the robot there, metres.
 const APART_M: f32 = 0.5;
 
 /// The floor of a mission, and when what is known of it changed.
@@ -56,7 +56,7 @@ impl KnownFloor {
         }
     }
 
-    /// Somebody has said where the robot stands: the drive knows.
+    /// The robot was put somewhere else: the drive knows.
     fn follow(&mut self, driven: &Whereabouts) {
         let (own, other) = (self.beliefs.pose(), driven.pose_in_map);
         let apart_m = Point2::new(own.x_m, own.y_m).distance(Point2::new(other.x_m, other.y_m));

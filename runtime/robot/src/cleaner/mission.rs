@@ -346,7 +346,7 @@ impl Cleaner {
 }
 
 impl Cleaner {
-    /// Takes in what the senses bring, whoever drives. Gives the seconds since it began, and since the last moment.
+    /// Takes in what the senses bring, also while the drive drives. Gives the seconds since it began, and since the last moment.
     pub(super) fn observe(&mut self, moment: &MissionMoment<'_>) -> (f32, f32) {
         let began = *self.began.get_or_insert(moment.now);
         let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;

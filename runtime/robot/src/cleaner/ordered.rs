@@ -22,7 +22,7 @@ use crate::site::RecentPoses;
 /// The area of a cleaning, among those that an operator has drawn.
 const ORDERED_AREA: &str = "ordered";
 
-/// Where a robot is, as whoever drove it so far knows.
+/// Where a robot is, as what drove it so far knows.
 #[derive(Clone, Debug)]
 pub struct Whereabouts {
     /// Believed, map frame.
@@ -84,7 +84,7 @@ impl MissionSetup {
     /// The cleaning of an order, from where the robot is. Areas that an operator has drawn hold for it, too.
     ///
     /// # Errors
-    /// An area that is none, or nothing there that the robot could clean from where it stands.
+    /// An area that makes no polygon, or nothing there that the robot could clean from where it stands.
     pub fn begin_ordered(
         &self,
         robot: &RobotConfiguration,

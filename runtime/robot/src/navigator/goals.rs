@@ -124,13 +124,13 @@ impl Navigator {
         self.phase.stands()
     }
 
-    /// Somebody says where the robot stands, map frame.
+    /// Somebody outside says where the robot stands, map frame.
     pub(crate) fn place_at(&mut self, pose_in_map: Pose2) {
         self.senses.relocate(pose_in_map);
         self.course = Course::default();
     }
 
-    /// Where the robot is, for whoever drives it next.
+    /// Where the robot is, for what drives it next.
     pub(crate) fn whereabouts(&self) -> Whereabouts {
         self.senses.whereabouts()
     }

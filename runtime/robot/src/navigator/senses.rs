@@ -87,7 +87,7 @@ impl Senses {
         self.place.pose(self.odometry.pose_in_odometry)
     }
 
-    /// All of that, for whoever drives the robot next.
+    /// All of that, for what drives the robot next.
     pub(super) fn whereabouts(&self) -> Whereabouts {
         Whereabouts {
             pose_in_map: self.pose(),

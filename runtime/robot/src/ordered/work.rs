@@ -29,7 +29,7 @@ pub struct OrderedWork {
     /// What the brush does while the robot drives; none where the mission has no floor for the robot.
     floor: Option<KnownFloor>,
     status: Option<CleaningStatus>,
-    is_told: bool,
+    is_reported: bool,
     next_counts_us: u64,
     answer: QueueStatus,
     is_answered: bool,
@@ -55,7 +55,7 @@ impl OrderedWork {
             cleaning: None,
             status: None,
             // Somebody outside may still believe in what the computer did before it lost its power.
-            is_told: false,
+            is_reported: false,
             next_counts_us: 0,
             answer: QueueStatus::default(),
             is_answered: true,
@@ -121,7 +121,7 @@ impl OrderedWork {
 
     fn tell(&mut self, status: CleaningStatus) {
         self.status = Some(status);
-        self.is_told = false;
+        self.is_reported = false;
     }
 
     /// The cleaning has ended by itself, or the operator has ended it.
@@ -217,8 +217,8 @@ impl Mission for OrderedWork {
         self.hear_operator();
         self.hear_master(moment.now);
         let requested = self.clean(moment).unwrap_or(driven);
-        if !self.is_told {
-            self.is_told = self.orders.publish(&self.status);
+        if !self.is_reported {
+            self.is_reported = self.orders.publish(&self.status);
         }
         requested
     }

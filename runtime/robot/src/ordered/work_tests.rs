@@ -89,7 +89,7 @@ fn ordered_square_alone_is_cleaned() {
 }
 
 #[test]
-fn pause_and_end_bring_the_robot_to_a_stand() {
+fn pause_and_end_stop_the_robot() {
     let mut robot = Robot::new(Store::None);
     robot.order(CleaningCommand::Clean(square(1)));
     assert!((0..30).map(|_| robot.step(false)).any(|twist| twist != Twist2::ZERO));
@@ -113,7 +113,7 @@ fn impossible_cleaning_fails_with_a_reason() {
         assert!(words.contains(why), "{words}");
         assert_eq!(robot.step(false), Twist2::ZERO);
     }
-    // A place to drive to that comes meanwhile ends it: the robot does one thing at a time.
+    // A place to drive to that comes meanwhile ends it: the robot does one of both at a time.
     robot.order(CleaningCommand::Clean(square(4)));
     let goal = crate::navigator::OrderedGoal {
         number: 1,

@@ -12,7 +12,7 @@ use floorguard_sim::scenario::Scenario;
 use floorguard_types::geometry::Point2;
 use serde_json::{Value, json};
 
-use super::super::{CleaningOffer, FleetOpening};
+use super::super::opening::{CleaningOffer, FleetOpening};
 use super::{FleetSide, Joined, describe};
 
 /// What a master does when it has read a state: messages to the robot.

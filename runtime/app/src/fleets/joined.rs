@@ -6,6 +6,7 @@ use floorguard_fleet::{
     VehiclePose,
 };
 use floorguard_guard::{Cause, GuardState};
+use floorguard_host::outcome::BadInput;
 use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::{LinkMoment, RunLink};
 use floorguard_robot::cleaner::{
@@ -17,8 +18,7 @@ use floorguard_robot::navigator::{
 use floorguard_runtime::shared::RobotStatus;
 use floorguard_types::geometry::Pose2;
 
-use super::{CleaningOffer, FleetOpening, kept_in};
-use crate::commands::exit::BadInput;
+use super::opening::{CleaningOffer, FleetOpening, kept_in};
 
 /// The broker's password.
 const PASSWORD_VARIABLE: &str = "FLOORGUARD_FLEET_PASSWORD";
@@ -257,5 +257,5 @@ fn faults(status: &RobotStatus, drive: Option<&NavigationProgress>) -> Vec<Vehic
 }
 
 #[cfg(all(test, feature = "laboratory"))]
-#[path = "fleet_tests.rs"]
+#[path = "joined_tests.rs"]
 mod tests;

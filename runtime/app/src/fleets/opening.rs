@@ -6,13 +6,14 @@ use std::path::PathBuf;
 
 use floorguard_configuration::FleetConfiguration;
 #[cfg(not(feature = "fleet"))]
+use floorguard_host::outcome::WrongUsage;
+#[cfg(not(feature = "fleet"))]
 use floorguard_operator::telemetry::RunLink;
 use floorguard_robot::cleaner::{CleaningOrders, MissionPlan};
 use floorguard_robot::navigator::{DriveOrders, NavigationSettings};
 use floorguard_runtime::configuration::RobotConfiguration;
 
 /// What a robot in a fleet is, and where its orders go.
-#[cfg_attr(not(feature = "fleet"), expect(dead_code, reason = "a program without fleets refuses them"))]
 pub struct FleetOpening<'a> {
     /// The fleet.
     pub fleet: &'a FleetConfiguration,
@@ -29,7 +30,6 @@ pub struct FleetOpening<'a> {
 }
 
 /// A robot that cleans on order.
-#[cfg_attr(not(feature = "fleet"), expect(dead_code, reason = "a program without fleets refuses them"))]
 pub struct CleaningOffer {
     /// Where those orders go.
     pub orders: CleaningOrders,
@@ -41,7 +41,7 @@ pub struct CleaningOffer {
 
 impl CleaningOffer {
     /// Of a mission; none of one that is not ordered from outside.
-    pub(super) fn of(plan: &MissionPlan, orders: Option<CleaningOrders>) -> Option<Self> {
+    pub fn of(plan: &MissionPlan, orders: Option<CleaningOrders>) -> Option<Self> {
         Some(Self { orders: orders?, tolerated_units: plan.tolerated_units, delta: plan.delta })
     }
 }
@@ -51,7 +51,7 @@ impl CleaningOffer {
 /// # Errors
 /// Anything else, in words.
 #[cfg(any(test, feature = "laboratory"))]
-pub(super) fn fleet_broker(text: &str) -> Result<FleetConfiguration, String> {
+pub fn fleet_broker(text: &str) -> Result<FleetConfiguration, String> {
     let (address, serial) = text.split_once('/').unwrap_or((text, "simulated-1"));
     let parts = address.rsplit_once(':').and_then(|(host, port)| Some((host, port.parse::<u16>().ok()?)));
     match parts {
@@ -71,20 +71,14 @@ pub(super) fn fleet_broker(text: &str) -> Result<FleetConfiguration, String> {
 #[cfg(not(feature = "fleet"))]
 pub fn join(_opening: FleetOpening<'_>) -> anyhow::Result<Box<dyn RunLink>> {
     let what = "fleets: this program was built without them; build it with `--features fleet`";
-    Err(super::exit::WrongUsage(what.to_owned()).into())
+    Err(WrongUsage(what.to_owned()).into())
 }
-
-#[cfg(feature = "fleet")]
-pub use joined::join;
 
 /// Where a robot keeps what must outlive the program.
 #[cfg(feature = "fleet")]
-fn kept_in(folder: &Path, serial: &str) -> PathBuf {
+pub(super) fn kept_in(folder: &Path, serial: &str) -> PathBuf {
     folder.join(format!("fleet-{serial}"))
 }
-
-#[cfg(feature = "fleet")]
-mod joined;
 
 #[cfg(test)]
 mod tests {
