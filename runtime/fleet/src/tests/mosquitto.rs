@@ -339,7 +339,8 @@ fn order_survives(mqtt: MqttVersion) {
         robot.moment.is_paused = paused;
         for _ in 0..12 {
             robot.step();
-            thread::sleep(Duration::from_millis(5));
+            // Longer than the least time from state to state, 100 ms, in all.
+            thread::sleep(Duration::from_millis(10));
         }
     }
     let broker = away.join().unwrap();
