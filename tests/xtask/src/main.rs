@@ -20,6 +20,7 @@ mod firmware_replay;
 mod image_size;
 mod lateness;
 mod machine;
+mod mapping_counts;
 mod package;
 mod panel_check;
 mod program;
@@ -58,6 +59,8 @@ enum Command {
     Campaign(campaign::Options),
     /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
     Firmware(firmware::Options),
+    /// Count the instructions of mapping on the emulated Cortex-M7: odometry in space, and the map in fixed memory.
+    MappingCounts,
     /// Try the SocketCAN carrier on vcan0 of a Linux that runs as a process.
     Vcan(vcan::Options),
     /// Measure the stages of the lidar path on the recordings.
@@ -106,6 +109,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Campaign(options) if options.name == "worst" => worst::search(options.trials, options.seed),
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
+        Command::MappingCounts => mapping_counts::run(),
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
