@@ -199,7 +199,7 @@ classifier of people from the tracks that it sees (hosted only; `run`, and `simu
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
 person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map, and `simulate --navigate` on that of its
 scenario; `start_…` is where the robot is switched on, in the map's frame. With `[fleet]`, `run` waits for the orders of a fleet's
-master on the map of `[navigation]` (book, Fleets and live views); the program must be built with the feature `fleet`, and with
+master on the map of `[navigation]`, and cleans on order where `[mission]` has the same map (book, Fleets and live views); the program must be built with the feature `fleet`, and with
 `fleet-tls` where `authority` is given. The broker's password stands in `FLOORGUARD_FLEET_PASSWORD`. With `[ros2]`, or a `source` of ROS 2 in
 `[command]`, the robot is live in ROS 2 ([ROS 2](ros2.md)); the program must be built with the feature `ros2`. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
 the lidar's; a Hokuyo, a TiM, an LMS and an RPLidar are no safety devices: their `source` is `tcp:ADDRESS:PORT` or `serial:DEVICE` (with `baud`), and no robot drives behind it
