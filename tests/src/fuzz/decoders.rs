@@ -269,28 +269,34 @@ pub fn xsens(bytes: &[u8]) -> u64 {
     seen
 }
 
-/// Bytes of a VectorNav in portions of so many. Whatever came before: what it sends then becomes samples.
+/// Bytes of a VectorNav in portions of so many. Whatever came before: what it sends then becomes samples, unless it has refused its
+/// configuration, which is named.
 pub fn vectornav(bytes: &[u8], portion: usize, right: &[u8]) -> u64 {
     let mut device = vectornav::Device::new(115_200);
     let (mut samples, mut now_us) = (0, 1_000_000);
-    let mut push = |part: &[u8], now_us: u64| {
-        let mut count = 0;
-        device.push(part, at(now_us), |event| {
-            if let vectornav::DeviceEvent::Sample(sample) = event {
-                let numbers = [sample.angular_radps, sample.linear_mps2].concat();
-                assert!(numbers.iter().all(|number| number.is_finite()) && sample.stamp <= at(now_us));
-                count += 1;
-            }
-        });
-        device.poll(at(now_us), &mut |sent| assert!(sent.starts_with(b"$VN") && sent.len() <= 64));
-        count
-    };
     for part in bytes.chunks(portion.max(1)) {
         now_us += 5_000;
-        samples += push(part, now_us);
+        samples += vectornav_part(&mut device, part, now_us);
     }
-    assert!(push(right, now_us + 50_000) > 0, "it did not find back into step");
+    let heard = vectornav_part(&mut device, right, now_us + 50_000);
+    let is_refused = device.phase() == vectornav::DevicePhase::Refused;
+    assert!(heard > 0 || is_refused, "it did not find back into step");
+    assert!(!is_refused || device.fault().is_some(), "a refusal is named");
     samples
+}
+
+/// How many samples a part becomes.
+fn vectornav_part(device: &mut vectornav::Device, part: &[u8], now_us: u64) -> u64 {
+    let mut count = 0;
+    device.push(part, at(now_us), |event| {
+        if let vectornav::DeviceEvent::Sample(sample) = event {
+            let numbers = [sample.angular_radps, sample.linear_mps2].concat();
+            assert!(numbers.iter().all(|number| number.is_finite()) && sample.stamp <= at(now_us));
+            count += 1;
+        }
+    });
+    device.poll(at(now_us), &mut |sent| assert!(sent.starts_with(b"$VN") && sent.len() <= 64));
+    count
 }
 
 /// A message of the microScan3 family, as it would stand before it is cut into datagrams.
