@@ -10,7 +10,7 @@ const BEHIND_M: f32 = 0.35;
 const BEHIND_SHARE: f32 = 0.03;
 /// A return this near to a point confirms it, metres.
 const NEAR_M: f32 = 0.25;
-/// A kept return speaks for this much to each side, as the sine of the angle: every thirteenth beam of half a degree is kept.
+/// A kept return speaks for this much to each side, as the sine of the angle: 40 of them cover a scan.
 const SINE: f32 = 0.06;
 
 /// How returns of one place agree with scans of the other.

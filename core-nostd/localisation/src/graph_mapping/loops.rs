@@ -2,7 +2,7 @@
 
 use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::{count_i32, saturating_i32};
+use floorguard_types::number::saturating_i32;
 use nalgebra::Matrix3;
 
 use super::compare::agreement;
@@ -74,7 +74,7 @@ impl<const NODES: usize, const POINTS: usize, const EDGES: usize, const CELLS: u
     }
 
     /// Searches the newest scans in the surroundings of an earlier one.
-    fn compare(&mut self, newest: u16, partner: u16) -> bool {
+    pub(super) fn compare(&mut self, newest: u16, partner: u16) -> bool {
         self.counters.searched = self.counters.searched.saturating_add(1);
         let (Some(scan), Some(earlier)) = (self.scans.get(index(newest)), self.scans.get(index(partner)))
         else {
@@ -228,7 +228,7 @@ fn exclusion(found: &Found, edge_m: f32, turn_step_rad: f32) -> Exclusion {
         row,
         turn,
         half_side_cells: saturating_i32(libm::ceilf(BESIDE.0 / edge_m.max(1.0e-3))),
-        half_turn_steps: saturating_i32(libm::ceilf(BESIDE.1 / turn_step_rad.max(1.0e-3))).max(count_i32(1)),
+        half_turn_steps: saturating_i32(libm::ceilf(BESIDE.1 / turn_step_rad.max(1.0e-3))).max(1),
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) const KNOWN_PATH_M: f32 = 3.0;
 /// Path from a place that was met again to the next search for one, metres.
 const LOOP_EVERY_M: f32 = 1.5;
 
-/// 368 scans of 40 returns: 195 KB in all, a building of 30 × 30 m.
+/// 368 scans of 40 returns: 198,000 bytes in all, a building of 30 × 30 m.
 pub type OfMicrocontroller = GraphMapper<368, 40, 432, FIELD_CELLS>;
 
 /// Room that searches need.
@@ -107,6 +107,8 @@ impl<const NODES: usize, const POINTS: usize, const EDGES: usize, const CELLS: u
     /// Takes the next scan: its returns in the scanner's frame, in the order of the beams, and the scanner in odometry's frame. Returns
     /// beyond the limits of the settings are left out, and a scan whose odometry is not finite. Cost: a search over a small window; with a
     /// kept scan two more over large ones, and with a loop the solution of all poses.
+    ///
+    /// Scans and odometry are taken for what they are: frozen, repeated or late ones are to be left out before, as `floorguard map` does.
     pub fn push(&mut self, returns: &[Point2], odometry: Pose2) -> MappingStep {
         if !(odometry.x_m.is_finite() && odometry.y_m.is_finite() && odometry.heading_rad.is_finite()) {
             self.counters.scans_unlike = self.counters.scans_unlike.saturating_add(1);

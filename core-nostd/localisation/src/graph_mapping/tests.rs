@@ -43,14 +43,18 @@ impl Chance {
     }
 }
 
-/// Returns of 181 beams over 270 degrees, with 1 cm of noise.
+/// Returns of 181 beams over 270 degrees in the building, with 1 cm of noise.
 fn scan(pose: Pose2, chance: &mut Chance) -> Vec<Point2> {
+    scan_of(&WALLS, pose, chance)
+}
+
+fn scan_of(walls: &[[f32; 4]], pose: Pose2, chance: &mut Chance) -> Vec<Point2> {
     let mut returns = Vec::new();
     for beam in 0..181 {
         let angle = (-135.0 + 1.5 * beam as f32).to_radians();
         let (sin, cos) = (pose.heading_rad + angle).sin_cos();
         let mut range = f32::INFINITY;
-        for [x1, y1, x2, y2] in WALLS {
+        for &[x1, y1, x2, y2] in walls {
             let (wall_x, wall_y) = (x2 - x1, y2 - y1);
             let cross = cos * wall_y - sin * wall_x;
             let (from_x, from_y) = (x1 - pose.x_m, y1 - pose.y_m);
@@ -241,4 +245,55 @@ fn gradients_agree_with_a_dense_solution() {
         assert!((step - wanted).norm() < 1.0e-3, "{index}: {step} {wanted}");
     }
     assert_eq!(gradient.steps()[0].norm(), 0.0, "the first stays");
+}
+
+/// What comes of five scans that are compared with five of the same places, kept 60 m of path before. `walls`: as they were and as they are;
+/// `off_m`: how far the robot believes itself aside; `conflict_most`: share of returns that may contradict.
+fn met_again(walls: [&[[f32; 4]]; 2], off_m: f32, conflict_most: f32) -> (Box<OfMicrocontroller>, bool) {
+    let (mut mapper, mut chance) = (boxed(), Chance(5));
+    mapper.config.loop_conflict_most = conflict_most;
+    for (time, walls) in (0..).zip(walls) {
+        for step in 0..5 {
+            let x_m = 6.0 + 0.5 * step as f32;
+            let returns: Vec<Point2> = scan_of(walls, Pose2::new(x_m, 2.0, 0.0), &mut chance);
+            let returns: Vec<Point2> = returns.into_iter().filter(|point| point.norm() < 8.0).collect();
+            let believed = Pose2::new(x_m + off_m * time as f32, 2.0, 0.0);
+            let path_m = 60.0 * time as f32 + 0.5 * step as f32;
+            mapper.scans.push(KeptScan::new(believed, path_m, &returns)).unwrap();
+        }
+    }
+    let is_found = mapper.compare(9, 4);
+    (mapper, is_found)
+}
+
+#[test]
+fn place_that_is_met_again_is_found() {
+    let (mapper, is_found) = met_again([&WALLS; 2], 0.6, 0.02);
+    assert!(is_found && mapper.counters().accepted == 1, "{:?}", mapper.counters());
+    let measured = mapper.edges()[0].measured;
+    assert!(measured.x_m.hypot(measured.y_m) < 0.03, "{measured:?}");
+}
+
+/// The window is 2.9 m to each side: what resembles the place more may lie outside.
+#[test]
+fn place_at_the_rim_is_not_believed() {
+    let (mapper, is_found) = met_again([&WALLS; 2], 2.5, 0.15);
+    assert!(!is_found && mapper.counters().at_rim == 1, "{:?}", mapper.counters());
+}
+
+#[test]
+fn corridor_that_fits_everywhere_is_ambiguous() {
+    let corridor = [[-90.0, 0.0, 90.0, 0.0], [-90.0, 4.0, 90.0, 4.0]];
+    let (mapper, is_found) = met_again([&corridor; 2], 0.6, 0.15);
+    assert!(!is_found && mapper.counters().ambiguous == 1, "{:?}", mapper.counters());
+}
+
+/// A wall across, where the robot saw through before, is one return in twelve or so: with a limit below that it is another place, and the same
+/// limit lets the place itself pass (`place_that_is_met_again_is_found`).
+#[test]
+fn place_with_another_wall_is_contradicted() {
+    let mut now = WALLS.to_vec();
+    now.push([9.5, 0.0, 9.5, 4.0]);
+    let (mapper, is_found) = met_again([&WALLS, &now], 0.3, 0.02);
+    assert!(!is_found && mapper.counters().contradicted == 1, "{:?}", mapper.counters());
 }
