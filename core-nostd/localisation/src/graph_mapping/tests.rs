@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 use super::edges::GraphEdge;
 use super::gradient::{Gradient, Problem};
 use super::kept::KeptScan;
+use super::solve::solve;
 use super::{FIELD_CELLS, GraphMapper, GraphMappingConfig, MappingStep, OfMicrocontroller};
 
 /// Walls from and to, metres: two rings of rooms around a core, doors between them, and pillars that tell them apart.
@@ -296,4 +297,28 @@ fn place_with_another_wall_is_contradicted() {
     now.push([9.5, 0.0, 9.5, 4.0]);
     let (mapper, is_found) = met_again([&WALLS, &now], 0.3, 0.02);
     assert!(!is_found && mapper.counters().contradicted == 1, "{:?}", mapper.counters());
+}
+
+/// A loop that contradicts all steps hardly bends the path; as one that counts in full it would.
+#[test]
+fn wrong_loop_is_outweighed() {
+    let information = Matrix3::from_diagonal(&[100.0, 100.0, 400.0].into());
+    let end_m = |loop_is_step: bool| {
+        let mut scans = heapless::Vec::<KeptScan<4>, 5>::new();
+        let mut edges = heapless::Vec::<GraphEdge, 5>::new();
+        for number in 0..5_u16 {
+            let x_m = f32::from(number);
+            scans.push(KeptScan::new(Pose2::new(x_m, 0.0, 0.0), x_m, &[])).unwrap();
+        }
+        for number in 0..4_u16 {
+            let step = Pose2::new(1.0, 0.0, 0.0);
+            edges.push(GraphEdge::new([number, number + 1], step, &information, true)).unwrap();
+        }
+        let wrong = Pose2::new(1.0, 2.0, 0.0);
+        edges.push(GraphEdge::new([0, 4], wrong, &information, loop_is_step)).unwrap();
+        solve(&mut scans, &edges, (&mut Gradient::<5>::new(), 5.0));
+        scans[4].pose.x_m
+    };
+    assert!(end_m(false) > 3.9, "{}", end_m(false));
+    assert!(end_m(true) < 2.5, "{}", end_m(true));
 }
