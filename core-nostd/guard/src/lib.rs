@@ -32,6 +32,9 @@ mod limiter;
 mod machine;
 mod motion_checks;
 mod packet_check;
+mod people;
+#[cfg(test)]
+mod people_tests;
 pub mod protection;
 mod reset_answer;
 mod rules;

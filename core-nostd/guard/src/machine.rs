@@ -95,6 +95,11 @@ impl DecisionMachine {
         latched.fold(0, |bits, held| bits | 1_u64.wrapping_shl(truncating_u32(held.first.cause.index())))
     }
 
+    /// What raised a cause was seen to be gone: it ends now, and not after the time without evidence.
+    pub(super) fn release(&mut self, cause: Cause) {
+        self.held.retain(|held| held.first.cause != cause);
+    }
+
     /// A cause holds.
     #[must_use]
     pub fn holds(&self, cause: Cause) -> bool {

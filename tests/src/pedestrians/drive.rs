@@ -170,10 +170,10 @@ impl Run<'_> {
         let reachable = |request| planning.drive.reachable(self.twist, request, planning.period_s);
         let twist = reachable(request);
         let permission = self.guard.permission(PlannedMotion { pose_in_map: self.pose, twist, in_s: 0.0 });
-        if permission.held_s > 0.0 && permission.speed_limit_mps <= 0.0 {
+        if permission.held_s > 0.0 {
             self.held_s = permission.held_s;
         }
-        let share = (permission.speed_limit_mps / twist.linear_mps.abs().max(1.0e-3)).min(1.0);
+        let share = permission.share;
         self.twist = if self.held_s > 0.0 {
             reachable(Twist2::ZERO)
         } else if share < 1.0 {

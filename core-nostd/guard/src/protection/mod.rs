@@ -36,6 +36,7 @@ mod scan_evidence;
 mod scan_table;
 mod source;
 mod standstill;
+mod stopper;
 mod sweep;
 mod swept_outline;
 mod unseen_limits;
@@ -72,6 +73,7 @@ pub use reset::{ResetRefusal, ResetReport};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
 pub use standstill::{CREEP_M, Creep};
+pub use stopper::Stopper;
 pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };

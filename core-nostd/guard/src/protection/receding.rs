@@ -57,6 +57,19 @@ impl Body {
             && aside_m * swings_mps <= TURNING_SHARE * leaves_mps * (behind_m - doubt_m)
     }
 
+    /// A person near the body is no reason to go slowly (FG-REQ-031): the robot drives straight, and all of the disc is beyond its
+    /// trailing edge, or the gap grows, also if the person comes one standard deviation of the velocity faster. What turns brings
+    /// its corners to where no gap grows for long.
+    #[must_use]
+    pub fn leaves_surely(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+        let offset = self.offset(person.position);
+        let disc_m = PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m.max(0.0);
+        let leaves = twist.linear_mps.abs() >= LEAVING_MPS && twist.angular_radps.abs() <= STRAIGHT_RADPS;
+        let is_behind = -offset.x_m * twist.linear_mps.signum() > disc_m;
+        let doubt_m2ps = person.velocity_sigma_mps.max(0.0) * offset.norm();
+        leaves && (is_behind || self.closing_m2ps(person, twist) + doubt_m2ps < 0.0)
+    }
+
     /// All of the disc of the person, its radius and two standard deviations, is beside a body that drives straight, none
     /// of it ahead, and the person does not come nearer.
     fn is_beside(&self, person: &AdvisedPerson, twist: Twist2) -> bool {

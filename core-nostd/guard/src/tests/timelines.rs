@@ -211,18 +211,18 @@ fn fg_req_041_escape_needs_an_unblocked_path() {
 
 #[test]
 fn fg_req_031_person_near_limits_person_on_path_stops() {
-    let person = |x_m: f32, vx: f32| AdvisedPerson {
+    let person = |x_m: f32, y_m: f32, vx: f32| AdvisedPerson {
         id: 1,
-        position: Point2::new(x_m, 0.0),
+        position: Point2::new(x_m, y_m),
         velocity_mps: Point2::new(vx, 0.0),
         position_sigma_m: 0.05,
         velocity_sigma_mps: 0.05,
     };
     let mut rig = Rig::cruising();
-    rig.people.push(person(2.0, 0.8));
+    rig.people.push(person(0.2, 1.2, 0.0));
     assert!(rig.run_ms(1_500).permitted.linear_mps <= 0.3 + 1.0e-6);
     let mut rig = Rig::cruising();
-    rig.people.push(person(3.0, -1.2));
+    rig.people.push(person(3.0, 0.0, -1.2));
     let decision = rig.run_ms(150);
     assert!(
         stopped(&decision) && decision.primary_cause.unwrap().cause == Cause::CollisionStop,

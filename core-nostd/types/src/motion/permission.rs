@@ -21,15 +21,21 @@ pub struct PlannedMotion {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Permission {
-    /// Speed that it would permit, m/s, ≥ 0; 0 is a stop.
-    pub speed_limit_mps: f32,
+    /// Share of the motion that it would permit on the same curve, 0…1; 0 is a stop.
+    pub share: f32,
     /// How long a stop here would hold the robot, seconds, ≥ 0; 0 where it would not stop.
     pub held_s: f32,
 }
 
 impl Permission {
     /// No limit.
-    pub const FREE: Self = Self { speed_limit_mps: f32::INFINITY, held_s: 0.0 };
+    pub const FREE: Self = Self { share: 1.0, held_s: 0.0 };
+
+    /// A stop that holds the robot for a time, seconds.
+    #[must_use]
+    pub const fn stop(held_s: f32) -> Self {
+        Self { share: 0.0, held_s }
+    }
 }
 
 /// Answers for planners; total, without side effects, at a cost that the implementation states.

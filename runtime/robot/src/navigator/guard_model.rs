@@ -3,7 +3,7 @@
 //! The rules are the guard's (book, Guard: Collision): somebody near limits the speed, and nobody may be reached sooner than the
 //! robot can stand. People are where they will be by then. An answer is a forecast; the guard decides.
 
-use floorguard_guard::{AdvisedPerson, Body, DriveLimits, Thresholds};
+use floorguard_guard::{AdvisedPerson, Body, DriveLimits, Thresholds, fastest_mps};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{MovingPerson, Permission, PermittedMotion, PlannedMotion};
@@ -16,8 +16,9 @@ const PEOPLE_MAX: usize = 6;
 const REACH_M: f32 = 6.0;
 /// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
 const DEVIATION_MAX_M: f32 = 0.15;
-/// How long a stop for a person holds the robot: until a second after the last evidence, and what the guard sees of it late, seconds.
-const HELD_S: f32 = 1.3;
+/// How long a stop for a person holds the robot: until two lists show that the person parts, or a second after the last evidence, and what
+/// the guard sees of it late, seconds.
+const HELD_S: f32 = 1.0;
 /// From this speed on the guard judges people by what the robot does; below by a slow start of what it requests, m/s.
 const STARTED_MPS: f32 = 0.05;
 
@@ -27,6 +28,7 @@ pub struct GuardModel {
     body: Body,
     drive: DriveLimits,
     thresholds: Thresholds,
+    outline: Vec<Point2>,
     people: Vec<MovingPerson>,
 }
 
@@ -38,6 +40,7 @@ impl GuardModel {
             body: Body::around(&robot.geometry.footprint),
             drive: robot.guard().drive,
             thresholds: robot.thresholds,
+            outline: robot.geometry.footprint.to_vec(),
             people: Vec::new(),
         }
     }
@@ -74,6 +77,9 @@ impl PermittedMotion for GuardModel {
         let (sin, cos) = libm::sincosf(pose.heading_rad);
         let turned = |x_m: f32, y_m: f32| Point2::new(cos * x_m + sin * y_m, cos * y_m - sin * x_m);
         let clear_s = self.drive.clear_of_people_s(twist.linear_mps.abs());
+        // Limits hold for the fastest point of the body.
+        let fastest_mps = fastest_mps(&self.outline, motion.twist).max(1.0e-3);
+        let near_share = (self.thresholds.person_speed_mps / fastest_mps).min(1.0);
         for person in &self.people {
             let velocity = person.velocity_in_map_mps;
             let then = Point2::new(
@@ -82,26 +88,26 @@ impl PermittedMotion for GuardModel {
             );
             let in_base = turned(then.x_m - pose.x_m, then.y_m - pose.y_m);
             let gap_m = self.body.distance_m(in_base);
-            if gap_m < self.thresholds.person_near_m {
-                permission.speed_limit_mps = permission.speed_limit_mps.min(self.thresholds.person_speed_mps);
-            }
             let velocity_mps = turned(velocity.x_m, velocity.y_m);
             let position_sigma_m = person.position_deviation_m.min(DEVIATION_MAX_M);
-            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
-            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
-            // Nobody is reached who is farther away than the way of that time: most people, and the cheapest question.
-            if gap_m > radius_m + relative.norm() * clear_s {
-                continue;
-            }
             let advised = AdvisedPerson {
                 position: in_base,
                 velocity_mps,
                 position_sigma_m,
                 ..AdvisedPerson::default()
             };
+            if gap_m < self.thresholds.person_near_m && !self.body.leaves_surely(&advised, twist) {
+                permission.share = permission.share.min(near_share);
+            }
+            let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);
+            let radius_m = PERSON_RADIUS_M + 2.0 * position_sigma_m;
+            // Nobody is reached who is farther away than the way of that time: most people, and the cheapest question.
+            if gap_m > radius_m + relative.norm() * clear_s {
+                continue;
+            }
             let comes_near = comes_near(&self.body, (in_base, relative), (gap_m, radius_m, clear_s));
             if comes_near && !self.body.recedes_from(&advised, twist) {
-                return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
+                return Permission::stop(HELD_S);
             }
         }
         permission

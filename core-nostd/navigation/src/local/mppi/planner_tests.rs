@@ -167,9 +167,9 @@ struct Strict(f32);
 impl PermittedMotion for Strict {
     fn permission(&self, motion: PlannedMotion) -> Permission {
         if motion.pose_in_map.y_m > 0.3 {
-            return Permission { speed_limit_mps: 0.0, held_s: 2.0 };
+            return Permission::stop(2.0);
         }
-        Permission { speed_limit_mps: self.0, held_s: 0.0 }
+        Permission { share: (self.0 / motion.twist.linear_mps.abs().max(1.0e-3)).min(1.0), held_s: 0.0 }
     }
 }
 

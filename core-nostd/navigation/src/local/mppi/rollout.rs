@@ -129,16 +129,14 @@ impl<P: PermittedMotion> Stage<'_, P> {
             in_s: (nearest_f32(step) + 1.0) * config.step_s,
         };
         let permission = self.guard.permission(motion);
-        let speed_mps = libm::fabsf(robot.twist.linear_mps);
-        if speed_mps > permission.speed_limit_mps {
-            if permission.held_s > 0.0 {
-                (robot.twist, robot.held_s) = (Twist2::ZERO, permission.held_s - config.step_s);
-                return config.weights.held;
-            }
+        if permission.held_s > 0.0 {
+            (robot.twist, robot.held_s) = (Twist2::ZERO, permission.held_s - config.step_s);
+            return config.weights.held;
+        }
+        if permission.share < 1.0 {
             // The guard keeps the curvature.
-            let share = permission.speed_limit_mps.max(0.0) / speed_mps;
-            robot.twist.linear_mps *= share;
-            robot.twist.angular_radps *= share;
+            robot.twist.linear_mps *= permission.share;
+            robot.twist.angular_radps *= permission.share;
         }
         robot.step(config.step_s);
         if robot.twist.linear_mps < 0.0 { config.weights.reverse * config.step_s } else { 0.0 }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::fixtures::{Rig, config};
+use crate::tests::fixtures::{Rig, config};
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 
