@@ -28,6 +28,19 @@ pub trait LatticeWorld {
     fn is_goal(&self, pose_in_map: Pose2) -> bool;
 }
 
+/// What a judge says of a pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Worth {
+    /// It is no better than one before.
+    Less,
+    /// It is the best one so far.
+    Best,
+    /// It is the best one, and no other need be shown.
+    Chosen,
+    /// It is no better, and none that could be shown is.
+    Enough,
+}
+
 /// A pose that the search looked at.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LatticeNode {
@@ -106,6 +119,22 @@ where
         world: &impl LatticeWorld,
         path: &mut [Waypoint],
     ) -> Result<LatticePath, PlanFailure> {
+        let judge = |pose: Pose2, _: f32| if world.is_goal(pose) { Worth::Chosen } else { Worth::Less };
+        self.find_best(start_in_map, world, (judge, path))
+    }
+
+    /// A path from a pose to the one that a judge likes best: it is shown poses with the seconds that lead to them, the sooner ones
+    /// first if [`LatticeWorld::left_s`] is 0 everywhere, until it has chosen or all were shown. Where the storage ends before, the best
+    /// one so far counts. Goals of the world play no part.
+    ///
+    /// # Errors
+    /// As [`Self::find`]; [`PlanFailure::OutOfRoom`] only before any pose was liked.
+    pub fn find_best(
+        &mut self,
+        start_in_map: Pose2,
+        world: &impl LatticeWorld,
+        (mut judge, path): (impl FnMut(Pose2, f32) -> Worth, &mut [Waypoint]),
+    ) -> Result<LatticePath, PlanFailure> {
         if self.cells.as_ref().len() < self.kinds() {
             return Err(PlanFailure::OutOfRoom);
         }
@@ -113,9 +142,11 @@ where
         self.begin();
         let start = LatticeNode { pose: start_in_map, gear: Gear::Ahead, parent: u32::MAX, cost_s: 0.0 };
         self.open(start, world.left_s(start_in_map).unwrap_or(0.0))?;
+        let (mut best, mut failure) = (None, PlanFailure::OutOfRoom);
         for _ in 0..self.nodes.as_ref().len().max(1) {
             let Some(entry) = pop(self.heap.as_mut(), self.waiting) else {
-                return Err(PlanFailure::Unreachable);
+                failure = PlanFailure::Unreachable;
+                break;
             };
             debug_assert!(self.waiting <= self.used, "every pose waits once");
             self.waiting = self.waiting.saturating_sub(1);
@@ -124,13 +155,22 @@ where
             if is_outdated {
                 continue;
             }
-            if world.is_goal(node.pose) {
-                let waypoints = self.path_to(entry.node, path)?;
-                return Ok(LatticePath { waypoints, time_s: node.cost_s });
+            let worth = judge(node.pose, node.cost_s);
+            if matches!(worth, Worth::Best | Worth::Chosen) {
+                best = Some((entry.node, node.cost_s));
             }
-            self.expand(entry.node, node, world)?;
+            if matches!(worth, Worth::Chosen | Worth::Enough) {
+                failure = PlanFailure::Unreachable;
+                break;
+            }
+            if let Err(full) = self.expand(entry.node, node, world) {
+                failure = full;
+                break;
+            }
         }
-        Err(PlanFailure::OutOfRoom)
+        let (number, time_s) = best.ok_or(failure)?;
+        let waypoints = self.path_to(number, path)?;
+        Ok(LatticePath { waypoints, time_s })
     }
 
     /// Visits poses that can be reached from a start without driving backwards, one for each place and heading; the start too,

@@ -78,3 +78,63 @@ fn path_uses_gap_not_wall() {
     let too_small = lattice.reach(start, &mut vec![Pose2::default(); kinds], is_free, |_| {});
     assert_eq!(too_small, Err(PlanFailure::OutOfRoom));
 }
+
+fn lattice(poses: usize) -> Lattice<vec::Vec<LatticeNode>, vec::Vec<LatticeCell>, vec::Vec<HeapEntry>> {
+    let raster = GridGeometry::new(80, 60, 0.1, Point2::default()).unwrap();
+    let storage = LatticeStorage {
+        nodes: vec![LatticeNode::default(); poses],
+        cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
+        heap: vec![HeapEntry::default(); poses],
+    };
+    Lattice::new(raster, PACE, storage)
+}
+
+/// Likes a pose the more the nearer it is to a place; gives what it was shown.
+fn nearest(
+    poses: usize,
+    (liked, enough): (Point2, usize),
+) -> (Result<LatticePath, PlanFailure>, vec::Vec<Waypoint>, vec::Vec<f32>) {
+    let anywhere = Walled { goal: Point2::new(1.2, 1.0), guesses: false };
+    let (mut shown_s, mut least_m) = (vec::Vec::new(), f32::INFINITY);
+    let judge = |pose: Pose2, way_s: f32| {
+        if shown_s.len() >= enough {
+            return Worth::Enough;
+        }
+        shown_s.push(way_s);
+        let distance_m = place(pose).distance(liked);
+        if distance_m >= least_m {
+            return Worth::Less;
+        }
+        least_m = distance_m;
+        Worth::Best
+    };
+    let mut path = vec![Waypoint::default(); 500];
+    let start = Pose2::new(1.0, 1.0, 0.0);
+    let found = lattice(poses).find_best(start, &anywhere, (judge, &mut path));
+    path.truncate(found.map_or(0, |found| found.waypoints));
+    (found, path, shown_s)
+}
+
+/// The goal of the world plays no part, and what was shown first took no longer.
+#[test]
+fn best_pose_is_found_behind_wall() {
+    let liked = Point2::new(6.8, 1.2);
+    let (found, path, shown_s) = nearest(POSES, (liked, usize::MAX));
+    assert!(path.last().unwrap().place_in_map().distance(liked) < 0.15, "{:?}", path.last());
+    assert!(path.iter().any(|at| at.pose_in_map.y_m > 4.0), "through the gap");
+    assert!(shown_s.windows(2).all(|pair| pair[1] >= pair[0] - 1.0e-4), "to the unit of the queue");
+    assert!(shown_s.contains(&found.unwrap().time_s));
+    assert!(found.unwrap().time_s > 12.0, "{found:?}");
+}
+
+#[test]
+fn best_so_far_counts_when_search_ends() {
+    let liked = Point2::new(6.8, 1.2);
+    let end =
+        |poses: usize, enough: usize| nearest(poses, (liked, enough)).1.last().map(|at| at.place_in_map());
+    let (whole, full, enough) = (end(POSES, usize::MAX), end(3_000, usize::MAX), end(POSES, 500));
+    let left_m = [whole, full, enough].map(|at| at.unwrap().distance(liked));
+    assert!(left_m[0] < 0.15 && left_m[1] > 1.0 && left_m[2] > left_m[1], "{left_m:?}");
+    assert_eq!(nearest(POSES, (liked, 0)).0, Err(PlanFailure::Unreachable), "nothing was liked");
+    assert_eq!(nearest(3, (liked, 0)).0, Err(PlanFailure::Unreachable));
+}

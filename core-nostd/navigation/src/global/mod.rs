@@ -26,7 +26,7 @@ pub use gear_outlines::GearOutlines;
 pub use gradient::descend;
 pub use grid_planner::GridPlanner;
 pub use grid_search::{GridSearch, SearchEnd, SearchMethod};
-pub use lattice::{Lattice, LatticeCell, LatticeNode, LatticeStorage, LatticeWorld};
+pub use lattice::{Lattice, LatticeCell, LatticeNode, LatticeStorage, LatticeWorld, Worth};
 pub use lattice_heap::HeapEntry;
 pub use lattice_motions::{HEADINGS, Pace};
 pub use lattice_planner::{LatticeGoal, LatticePlanner};

@@ -39,8 +39,9 @@ use crate::site::{Localiser, RecentPoses, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
-/// Held by the guard for this long, the robot takes a detour, seconds.
-const PATIENCE_S: f32 = 2.0;
+/// Held by the guard for this long, the robot takes a detour, seconds. Sooner it costs more than it gains: most people are gone by then, and
+/// a detour is turned slowly.
+const PATIENCE_S: f32 = 6.0;
 /// Speed in an area where the robot goes slowly, m/s.
 const SLOW_MPS: f32 = 0.2;
 /// Progress is made known this often, seconds.

@@ -93,7 +93,7 @@ fn robot_held_by_standing_person_retreats() {
     cleaner.near.people = vec![person];
     cleaner.obstacles.see_people(&[(cleaner.pose().transform(position), 0.33)], 0.0);
     cleaner.near.seen_s = 0.0;
-    cleaner.held_s = 1.5;
+    cleaner.held_s = 5.5;
     let requested = cleaner.decide(0.1);
     assert!(
         cleaner.near.is_leaving && requested.linear_mps < 0.0 && requested.angular_radps.abs() < 0.05,

@@ -14,6 +14,7 @@ mod obstacles;
 mod ordered;
 mod orders;
 mod pace;
+mod passes;
 mod path_finder;
 mod plan;
 mod progress;

@@ -18,15 +18,19 @@ pub(super) fn pace_of(robot: &RobotConfiguration) -> Pace {
     }
 }
 
-/// Cost of a path among people: the guard lets the robot go more slowly there, and its front wheel no faster than in
-/// the slowest fields while it turns on the spot. What is gone back must be gone ahead again before the guard lets the
-/// robot turn faster than beside a rear that no sensor has seen (FG-REQ-064).
+/// Cost of a path among people: the guard lets the robot go more slowly there, and the fastest point of a body that turns no faster than
+/// it lets a robot go near people, or beside a rear that no sensor has seen (FG-REQ-064): half of the turns are of either kind. What is
+/// gone back must be gone ahead again before the rear is known.
 pub(super) fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
-    let slow_mps = robot.thresholds.warning_speed_mps;
+    let slow_mps = robot.thresholds.warning_speed_mps.max(0.05);
+    let unknown_mps = robot.unseen.unknown_rear_mps.clamp(0.05, slow_mps);
+    let is_unseen = robot.unseen.known_after_m > 0.0;
+    let fastest_mps = if is_unseen { 2.0 / (1.0 / slow_mps + 1.0 / unknown_mps) } else { slow_mps };
+    let corners = robot.geometry.footprint.iter().map(|corner| corner.norm());
     let back_s_per_m = 1.0 / pace.reverse_mps.max(0.05) + 1.0 / robot.unseen.unknown_rear_mps.max(0.05);
     Pace {
         speed_mps: pace.speed_mps.min(2.0 * slow_mps),
-        turn_radps: pace.turn_radps.min(slow_mps / robot.geometry.wheelbase_m),
+        turn_radps: pace.turn_radps.min(fastest_mps / corners.fold(0.1, f32::max)),
         reverse_mps: 1.0 / back_s_per_m,
         ..pace
     }

@@ -2,7 +2,7 @@
 
 use floorguard_mapping::GridGeometry;
 use floorguard_navigation::global::{
-    HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeNode, LatticeStorage, LatticeWorld, Pace,
+    HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeNode, LatticeStorage, LatticeWorld, Pace, Worth,
 };
 use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::{Gear, Waypoint};
@@ -45,6 +45,17 @@ impl PathFinder {
     /// that it may. The start need not be free.
     pub fn find(&mut self, start: Pose2, world: &impl LatticeWorld) -> Option<Vec<Waypoint>> {
         let found = self.lattice.find(start, world, &mut self.path).ok()?;
+        self.path.get(..found.waypoints).map(<[Waypoint]>::to_vec)
+    }
+
+    /// The path from a pose to the one that a judge likes best, which is shown each pose with the seconds that lead there.
+    pub fn find_best(
+        &mut self,
+        start: Pose2,
+        world: &impl LatticeWorld,
+        judge: impl FnMut(Pose2, f32) -> Worth,
+    ) -> Option<Vec<Waypoint>> {
+        let found = self.lattice.find_best(start, world, (judge, &mut self.path)).ok()?;
         self.path.get(..found.waypoints).map(<[Waypoint]>::to_vec)
     }
 

@@ -12,16 +12,16 @@ use super::mission::Cleaner;
 use super::surroundings::Surroundings;
 use super::track::Track;
 
-/// Held for this long by somebody who stands there, the robot leaves, seconds.
-const AFTER_S: f32 = 1.0;
+/// Held for this long by somebody who stands there, the robot leaves, seconds. Most people who stop before a robot go on before.
+const AFTER_S: f32 = 5.0;
 /// Older than this, what is known of people says nothing of who stands there now, seconds.
 const FRESH_S: f32 = 0.5;
 /// Who walks faster than this is gone in a moment, m/s.
 pub(super) const STANDS_MPS: f32 = 0.25;
 /// A person farther away is not the one that holds the robot, metres from its body.
 const NEAR_M: f32 = 1.2;
-/// Steps of the retreat, and how long one is, metres.
-const STEPS: i8 = 4;
+/// Steps of the retreat, and how long one is, metres: no farther than what was seen beside the rear stays known (FG-REQ-064).
+const STEPS: i8 = 2;
 const STEP_M: f32 = 0.12;
 /// Slowly, m/s.
 const SPEED_MPS: f32 = 0.2;
@@ -171,30 +171,36 @@ mod tests {
 
     #[test]
     fn retreats_from_standing_waits_for_walking_people() {
-        let back = path_from(advised_person(1.55, 0.3, 0.0), 1.5);
+        let back = path_from(advised_person(1.55, 0.3, 0.0), AFTER_S + 0.5);
         assert!(
-            back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose_in_map.x_m < -0.3,
+            back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose_in_map.x_m < -0.2,
             "{back:?}"
         );
-        let on = path_from(advised_person(-1.2, 0.1, 0.0), 1.5);
+        let on = path_from(advised_person(-1.2, 0.1, 0.0), AFTER_S + 0.5);
         assert!(
-            on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose_in_map.x_m > 0.3,
+            on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose_in_map.x_m > 0.2,
             "{on:?}"
         );
-        assert!(path_from(advised_person(1.55, 0.3, 0.0), 0.5).is_empty(), "at once the guard may let it go");
-        assert!(path_from(advised_person(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
         assert!(
-            path_from(advised_person(0.3, 0.5, 0.0), 1.5).is_empty(),
+            path_from(advised_person(1.55, 0.3, 0.0), AFTER_S - 0.5).is_empty(),
+            "at once the guard may let it go"
+        );
+        assert!(
+            path_from(advised_person(1.55, 0.3, -1.0), AFTER_S + 0.5).is_empty(),
+            "who walks is gone in a moment"
+        );
+        assert!(
+            path_from(advised_person(0.3, 0.5, 0.0), AFTER_S + 0.5).is_empty(),
             "a person in contact blocks every path"
         );
         assert!(
-            path_from(advised_person(4.0, 0.0, 0.0), 1.5).is_empty(),
+            path_from(advised_person(4.0, 0.0, 0.0), AFTER_S + 0.5).is_empty(),
             "somebody far away does not hold it"
         );
-        let before = path_from_seen_person(advised_person(1.55, 0.3, 0.0), 0.6, 1.5);
+        let before = path_from_seen_person(advised_person(1.55, 0.3, 0.0), 0.6, AFTER_S + 0.5);
         assert!(before.is_empty(), "a person seen a while ago may stand behind it by now");
         let nowhere = AdvisedPerson { position_sigma_m: f32::NAN, ..advised_person(1.55, 0.3, 0.0) };
-        assert!(path_from(nowhere, 1.5).is_empty(), "what is no number is no licence");
+        assert!(path_from(nowhere, AFTER_S + 0.5).is_empty(), "what is no number is no licence");
     }
 
     /// A standing person gets the clearance that the guard keeps, a walking one less, because they will be
@@ -229,7 +235,7 @@ mod tests {
         let mut at = |measured_ms: u64, now_ms: u64| {
             report.sweep.stamp = moment(measured_ms).0;
             cleaner.see_people(&report, moment(now_ms));
-            cleaner.held_s = 1.5;
+            cleaner.held_s = AFTER_S + 0.5;
             cleaner.near.is_leaving = false;
             cleaner.track = Track::default();
             cleaner.retreat(cleaner.pose(), moment(now_ms).1);

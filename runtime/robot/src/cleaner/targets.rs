@@ -137,6 +137,11 @@ impl Cleaner {
         // What the brush has just passed over is no target any more.
         self.replan(pose, now_s);
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
+        if self.plan_best_pass(pose, now_s) {
+            self.leavings = 0;
+            return true;
+        }
+        // Nothing near can be passed over now: the way to what is farther, in the order of the tour.
         for _ in 0..TRIES {
             let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
             let open = || self.tours.tour().filter(|cell| !is_postponed(cell));

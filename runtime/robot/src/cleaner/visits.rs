@@ -16,11 +16,11 @@ use super::track::Track;
 /// Dirt within this distance of a target is passed over with it, metres.
 pub(super) const CLUSTER_M: f32 = 0.5;
 /// A pass goes on over what lies before the brush for at most this, metres.
-const AHEAD_M: f32 = 1.3;
+pub(super) const AHEAD_M: f32 = 1.3;
 /// So much of a way over cells may be a detour round their corners, metres.
 const SPARE_M: f32 = 0.5;
 /// The brush goes on behind a cell by this, metres.
-const PAST_M: f32 = 0.15;
+pub(super) const PAST_M: f32 = 0.15;
 /// Shares of what the best straight pass over the dirt would take that a pass is to take: what it leaves costs a second one.
 const TAKEN: [f32; 2] = [1.0, 0.7];
 
@@ -114,7 +114,12 @@ impl Cleaner {
     }
 
     /// How far straight on the robot goes so that the brush passes the target, and all dirt before it while it fits.
-    fn pass_m(&self, pose: Pose2, (target, dirty): (Point2, &[Point2]), around: &Surroundings<'_>) -> f32 {
+    pub(super) fn pass_m(
+        &self,
+        pose: Pose2,
+        (target, dirty): (Point2, &[Point2]),
+        around: &Surroundings<'_>,
+    ) -> f32 {
         let ahead_m = |place: Point2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m;
         let least_m = ahead_m(target) + PAST_M;
         let lane_m = 0.5 * self.ground.brush.width_m;

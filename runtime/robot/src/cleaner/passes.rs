@@ -1,0 +1,186 @@
+//! Which pass comes next: the straight pass over dirt that takes the most cells for its time.
+//!
+//! A tour over cells knows distances alone. Among shelves the time of a long robot goes into turns and backing: of three minutes in
+//! a supermarket more than one. The search that finds paths knows what they take, and asks at each pose that it reaches what a pass from
+//! there would take away.
+
+use floorguard_navigation::global::Worth;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{Gear, Waypoint};
+
+use super::ground::Ground;
+use super::mission::Cleaner;
+use super::path_finder::Search;
+use super::surroundings::Surroundings;
+use super::track::Track;
+use super::visits::{AHEAD_M, PAST_M};
+
+/// What the first cells of a pass lie before the brush at least, metres.
+const RUN_UP_M: f32 = 0.1;
+/// What every pass costs beside its way, seconds: so much is worth going for one that takes all of a patch.
+const PASS_S: f32 = 2.0;
+/// Dirt farther than this is a matter of the tour, seconds.
+const NEAR_S: f32 = 60.0;
+/// Cells that one pass takes lie within this distance of each of them, metres: half of what it takes is as long.
+const TOGETHER_M: f32 = 0.75;
+
+/// A cell that is to be cleaned, and its middle in the map frame.
+type OpenCell = (usize, Point2);
+
+/// What a straight pass from a pose takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Taken {
+    cells: usize,
+    /// The last one before the brush, metres.
+    far_m: f32,
+    /// The first one, and how far before the brush it is, metres.
+    first: Option<(usize, f32)>,
+}
+
+impl Taken {
+    fn from(ground: &Ground, pose: Pose2, open: &[OpenCell]) -> Self {
+        let (to_robot, aside_m) = (pose.inverse(), ground.lane_m());
+        let mut taken = Self::default();
+        for (cell, place) in open {
+            let in_robot = to_robot.transform(*place);
+            let ahead_m = in_robot.x_m - ground.brush.offset_m;
+            if !(RUN_UP_M..=AHEAD_M).contains(&ahead_m) || in_robot.y_m.abs() > aside_m {
+                continue;
+            }
+            taken.cells += 1;
+            taken.far_m = taken.far_m.max(ahead_m);
+            if taken.first.is_none_or(|(_, first_m)| ahead_m < first_m) {
+                taken.first = Some((*cell, ahead_m));
+            }
+        }
+        taken
+    }
+}
+
+/// The best pass so far: seconds for each cell that it takes, and its first cell.
+#[derive(Clone, Copy, Debug)]
+struct BestPass {
+    seconds_a_cell: f32,
+    target: Option<usize>,
+}
+
+impl Cleaner {
+    /// Cells that are to be cleaned now: those that no pass has been over before, if there are any.
+    fn open_cells(&self) -> Vec<OpenCell> {
+        let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
+        let open = || (0..self.wanted.len()).filter(|cell| self.wanted[*cell] && !is_postponed(cell));
+        let is_fresh = open().any(|cell| !self.passed[cell]);
+        // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
+        let now = open().filter(|cell| !(is_fresh && self.passed[*cell]));
+        now.map(|cell| (cell, self.ground.raster().centre(cell))).collect()
+    }
+
+    /// Finds the way to the pass that takes the most cells for its time, and over it; false: none is near.
+    pub(super) fn plan_best_pass(&mut self, pose: Pose2, now_s: f32) -> bool {
+        let open = self.open_cells();
+        let together = |place: Point2| open.iter().filter(|at| at.1.distance(place) < TOGETHER_M).count();
+        let Some(most) = open.iter().map(|at| together(at.1)).max() else { return false };
+        let ground = &self.ground;
+        let around = Surroundings::new(ground, (&self.obstacles, now_s), pose).after(self.refused);
+        let speed_mps = self.path_finder.pace().speed_mps;
+        let mut best = BestPass { seconds_a_cell: f32::INFINITY, target: None };
+        let judge = |at: Pose2, way_s: f32| {
+            if way_s > NEAR_S || (way_s + PASS_S) / most as f32 >= best.seconds_a_cell {
+                return Worth::Enough;
+            }
+            let taken = Taken::from(ground, at, &open);
+            let pass_m = taken.far_m + PAST_M;
+            let seconds_a_cell = (way_s + pass_m / speed_mps + PASS_S) / taken.cells as f32;
+            if seconds_a_cell >= best.seconds_a_cell || !around.is_clear_ahead(at, pass_m) {
+                return Worth::Less;
+            }
+            best = BestPass { seconds_a_cell, target: taken.first.map(|(cell, _)| cell) };
+            Worth::Best
+        };
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
+        let search = Search { slowness, left_s: |_: Pose2| Some(0.0), is_goal: |_: Pose2| false };
+        let found = self.path_finder.find_best(pose, &search, judge);
+        let (Some(mut path), Some(cell)) = (found, best.target) else { return false };
+        if let Some(last) = path.last().copied() {
+            let dirty: Vec<Point2> = open.iter().map(|at| at.1).collect();
+            let past_m = self.pass_m(last.pose_in_map, (self.ground.raster().centre(cell), &dirty), &around);
+            let end = last.pose_in_map.compose(Pose2::new(past_m, 0.0, 0.0));
+            path.push(Waypoint { pose_in_map: end, gear: Gear::Ahead });
+        }
+        self.track = Track::new(path);
+        self.near.is_leaving = false;
+        self.target = Some(cell);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::cleaner::mission::SharedWatch;
+    use crate::cleaner::plan::MissionPlan;
+    use crate::cleaner::store::Store;
+    use floorguard_configuration::{EXAMPLE, parse};
+
+    /// A robot in the aisle of a supermarket, looking along it, with dirt at these places alone.
+    fn with_dirt_at(places: &[Point2]) -> Cleaner {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let store = Store::Memory(Arc::default());
+        let mut cleaner =
+            Cleaner::new(&MissionPlan::supermarket(), &robot, (SharedWatch::default(), store)).unwrap();
+        for place in places {
+            let cell = cleaner.ground.raster().cell_at(*place).unwrap();
+            cleaner.wanted[cell] = true;
+        }
+        cleaner
+    }
+
+    /// Where the pass that was found begins, and the first place that it takes.
+    fn found(cleaner: &mut Cleaner) -> Option<Point2> {
+        let pose = cleaner.pose();
+        cleaner.plan_best_pass(pose, 0.0).then(|| cleaner.ground.raster().centre(cleaner.target.unwrap()))
+    }
+
+    #[test]
+    fn turning_costs_more_than_distance() {
+        let behind = Point2::new(-1.0, 0.05);
+        let ahead = Point2::new(2.5, 0.05);
+        let mut cleaner = with_dirt_at(&[behind, ahead]);
+        assert!(found(&mut cleaner).unwrap().distance(ahead) < 0.1);
+        let is_ahead = |at: &Waypoint| at.gear == Gear::Ahead;
+        assert!(cleaner.track.rest().iter().all(is_ahead), "{:?}", cleaner.track.rest());
+        assert!(
+            found(&mut with_dirt_at(&[behind])).unwrap().distance(behind) < 0.1,
+            "where there is no other"
+        );
+    }
+
+    #[test]
+    fn patch_is_worth_a_longer_way() {
+        let near = Point2::new(1.2, -0.6);
+        let patch = [(2.5, 0.05), (2.6, 0.05), (2.5, 0.15), (2.6, 0.15), (2.7, 0.05), (2.7, 0.15)];
+        let patch = patch.map(|(x_m, y_m)| Point2::new(x_m, y_m));
+        let both: Vec<Point2> = patch.iter().copied().chain([near]).collect();
+        let mut cleaner = with_dirt_at(&both);
+        assert!(found(&mut cleaner).unwrap().distance(patch[0]) < 0.2);
+        let end = cleaner.track.rest().last().unwrap().pose_in_map;
+        let brush_m = end.inverse().transform(patch[4]).x_m - cleaner.ground.brush.offset_m;
+        assert!(brush_m < 0.0, "the brush has passed the last of it: {brush_m}");
+    }
+
+    #[test]
+    fn passed_and_postponed_dirt_waits() {
+        let (passed, fresh) = (Point2::new(1.2, 0.05), Point2::new(3.5, 0.05));
+        let mut cleaner = with_dirt_at(&[passed, fresh]);
+        let cell = cleaner.ground.raster().cell_at(passed).unwrap();
+        cleaner.passed[cell] = true;
+        assert!(found(&mut cleaner).unwrap().distance(fresh) < 0.1);
+        let fresh_cell = cleaner.ground.raster().cell_at(fresh).unwrap();
+        cleaner.postponed.push((fresh_cell, 5.0));
+        assert!(found(&mut cleaner).unwrap().distance(passed) < 0.1);
+        cleaner.postponed.push((cell, 5.0));
+        assert_eq!(found(&mut cleaner), None);
+    }
+}
