@@ -77,4 +77,13 @@ impl PersonKind {
             _ => 0.25,
         }
     }
+
+    /// So fast somebody with a trolley, luggage or a wheelchair turns, rad/s; all others look at once where they go.
+    #[must_use]
+    pub const fn turns_radps(self) -> Option<f32> {
+        match self {
+            Self::Trolley | Self::Luggage | Self::Wheelchair => Some(2.0),
+            _ => None,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! One walking person.
 
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, wrap_angle};
 
 use super::{Build, PersonKind, RecordedWalk};
 
@@ -59,7 +59,16 @@ impl Person {
     pub(super) fn swing(&mut self, step_s: f32) {
         let speed = self.velocity.norm();
         if speed > 0.05 {
-            self.heading_rad = libm::atan2f(self.velocity.y_m, self.velocity.x_m);
+            let course_rad = libm::atan2f(self.velocity.y_m, self.velocity.x_m);
+            self.heading_rad = match self.kind.turns_radps() {
+                // Somebody who wavers at a goal does not swing a trolley round in a step.
+                Some(radps) => {
+                    let most_rad = radps * step_s;
+                    let turn_rad = wrap_angle(course_rad - self.heading_rad).clamp(-most_rad, most_rad);
+                    wrap_angle(self.heading_rad + turn_rad)
+                }
+                None => course_rad,
+            };
             // A pair of steps covers about 0.7 m plus half a second's travel: 1.3 m at walking speed.
             let stride_m = 0.7 + 0.5 * speed;
             self.gait_rad += core::f32::consts::TAU * speed * step_s / stride_m;
@@ -89,5 +98,43 @@ impl Person {
             self.position.x_m + cos * ahead_m - sin * left_m,
             self.position.y_m + sin * ahead_m + cos * left_m,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Who steps to and fro around a goal for ten seconds, 0.1 m/s, half of a step of 10 ms each way.
+    fn turned_rad(kind: PersonKind) -> f32 {
+        let mut person = Person {
+            id: 1,
+            kind,
+            build: Build::SAME,
+            position: Point2::default(),
+            velocity: Point2::default(),
+            heading_rad: 1.6,
+            gait_rad: 0.0,
+            goals: Vec::new(),
+            goal: 0,
+            speed_mps: 1.0,
+            starts_us: 0,
+            sees_robot: false,
+            walk: None,
+        };
+        let mut farthest_rad = 0.0_f32;
+        for step in 0..1_000 {
+            let y_m = if step % 2 == 0 { 0.1 } else { -0.1 };
+            person.velocity = Point2::new(0.001, y_m);
+            person.swing(0.01);
+            farthest_rad = farthest_rad.max(wrap_angle(person.heading_rad - 1.6).abs());
+        }
+        farthest_rad
+    }
+
+    #[test]
+    fn trolley_does_not_turn_round_in_a_step() {
+        assert!(turned_rad(PersonKind::Trolley) < 0.1);
+        assert!(turned_rad(PersonKind::Adult) > 3.0);
     }
 }

@@ -59,6 +59,27 @@ proptest! {
     }
 
     #[test]
+    fn fg_req_034_straight_drive_touches_no_person_beside(
+        linear_mps in -1.0_f32..1.0,
+        (gap_to_edge_m, aside_m, is_left) in (0.0_f32..1.4, 0.6_f32..1.2, any::<bool>()),
+        sigma_m in 0.0_f32..0.2,
+        (share, bearing) in (0.0_f32..1.0, -3.2_f32..3.2),
+    ) {
+        let twist = Twist2 { linear_mps, angular_radps: 0.0 };
+        let x_m = if linear_mps < 0.0 { -0.45 + gap_to_edge_m } else { 0.95 - gap_to_edge_m };
+        let y_m = if is_left { aside_m } else { -aside_m };
+        let position = Point2::new(x_m, y_m);
+        let person = AdvisedPerson { position, position_sigma_m: sigma_m, ..AdvisedPerson::default() };
+        prop_assume!(BODY.recedes_from(&person, twist));
+        // Any part of a person who stands anywhere in the doubt.
+        let off_m = (0.3 + 2.0 * sigma_m) * share;
+        let part = Point2::new(x_m + off_m * bearing.cos(), y_m + off_m * bearing.sin());
+        let gaps_m = gaps_m(part, twist);
+        prop_assume!(gaps_m[0] > 0.0);
+        prop_assert!(gaps_m.iter().all(|gap_m| *gap_m > 0.0), "{part:?}");
+    }
+
+    #[test]
     fn fg_req_034_receding_robot_comes_nearer_to_no_person(
         (linear_mps, angular_radps) in (-1.0_f32..1.0, prop_oneof![Just(0.0_f32), 0.051_f32..0.4, -0.4_f32..-0.051]),
         (behind_m, y_m) in (0.0_f32..2.0, -1.0_f32..1.0),

@@ -23,7 +23,13 @@ fn fg_req_034_person_beside_stops_no_straight_drive() {
     assert!(stops_beside((0.3, -0.55), (0.0, 0.0), 0.0), "in contact with the flank");
     assert!(stops_beside((-0.43, 0.67), (0.0, -0.01), -0.2), "the tail would swing towards them");
     assert!(stops_beside((0.3, -0.62), (0.0, 0.15), 0.0), "comes towards the flank");
-    assert!(stops_beside((0.6, 0.6), (0.0, 0.0), 0.0), "a part of them may be ahead of the nose");
+    assert!(stops_beside((0.6, 0.6), (0.0, 0.0), 0.0), "a part of them may lie ahead of the nose");
+    assert!(
+        !stops_beside((0.72, 0.84), (0.0, -0.01), 0.0),
+        "stands beside the nose, no part of them in the way"
+    );
+    assert!(stops_beside((0.72, 0.75), (0.0, -0.01), 0.0), "the same, and a part of them may lie in the way");
+    assert!(stops_beside((0.85, 0.84), (0.0, -0.01), 0.0), "their middle may be ahead of the nose");
     assert!(stops_beside((0.3, 0.2), (0.0, 0.0), 0.0), "in contact already");
 }
 

@@ -70,17 +70,20 @@ impl Body {
         leaves && (is_behind || self.closing_m2ps(person, twist) + doubt_m2ps < 0.0)
     }
 
-    /// All of the disc of the person, its radius and two standard deviations, is beside a body that drives straight, none
-    /// of it ahead, and the person does not come nearer.
+    /// A body that drives straight passes a person beside it: the middle of the person is beside the body wherever in two standard
+    /// deviations it is, nothing of the disc around it lies in the way ahead, and the person does not come nearer.
     fn is_beside(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
         let offset = self.offset(person.position);
-        let disc_m = PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m.max(0.0);
+        let doubt_m = POSITION_SIGMAS * person.position_sigma_m.max(0.0);
+        let disc_m = PERSON_RADIUS_M + doubt_m;
         let leading_m = if twist.linear_mps < 0.0 { -self.x_m[0] } else { self.x_m[1] };
         let place_m = person.position.x_m * twist.linear_mps.signum();
+        // Of the disc so much before and behind its middle reaches over the line of the flank.
+        let in_way_m = libm::sqrtf((disc_m * disc_m - offset.y_m * offset.y_m).max(0.0));
         twist.angular_radps.abs() <= STRAIGHT_RADPS
             && offset.x_m == 0.0
             && offset.y_m.abs() >= CONTACT_M
-            && leading_m - place_m > disc_m
+            && leading_m - place_m > in_way_m.max(doubt_m)
             && self.closing_m2ps(person, twist) < BESIDE_MPS * offset.y_m.abs()
     }
 

@@ -6,6 +6,8 @@
 #[cfg(test)]
 mod coverage_tests;
 mod digest;
+#[cfg(test)]
+mod excuse_tests;
 mod exploration_outcome;
 mod latency;
 mod mission_outcome;

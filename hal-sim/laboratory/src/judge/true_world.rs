@@ -24,6 +24,10 @@ const SWITCH_M: f32 = 0.1;
 /// Returns of a lidar and points of a depth camera this low above the floor may be the floor, metres.
 const FLOOR_M: [f32; 2] = [0.10, 0.03];
 
+/// A lidar that hangs so much lower than the robot's file says measures the floor as high as a low object, which a robot must not drive
+/// over, metres. It excuses a job, and no contact.
+const LOW_LIDAR_M: f32 = 0.05;
+
 /// Everything that the judge knows before a run.
 #[must_use]
 pub fn setup(plan: &Plan, simulation: &Simulation) -> judge::Setup {
@@ -286,10 +290,13 @@ impl TrueContacts {
     /// The simulated robot's body is none.
     pub fn new(plan: &Plan, simulation: &Simulation) -> Result<Self, judge::BodyError> {
         let is_sound = plan.faults.is_empty() && !plan.scenario.has_broken_devices();
+        let is_low = plan.scenario.lidar_misplaced.is_some_and(|lidar| lidar.z_m < -LOW_LIDAR_M);
         let excuse = match (is_sound || plan.is_corrupted, plan.emergency_stop_us.is_empty()) {
             (false, _) => Some("a fault was put in"),
             (true, false) => Some("the emergency stop was pressed"),
-            (true, true) => None,
+            (true, true) => {
+                is_low.then_some("its lidar hangs so low that the floor looks like an object to it")
+            }
         };
         let known_parts = simulation.scene().truth().len();
         Ok(Self { judge: judge::ContactJudge::new(setup(plan, simulation))?, known_parts, excuse })

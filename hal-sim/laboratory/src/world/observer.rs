@@ -252,12 +252,12 @@ impl<'a> Observer<'a> {
 
     fn on_status(&mut self, now_us: u64, status: &RobotStatus) {
         let seconds = now_us as f64 * 1.0e-6;
-        let moves = status.decision.speed_limit_mps > 0.0 && !status.decision.action.stops();
-        if moves {
+        let decision = &status.decision;
+        // One that may leave what stands near it is ready, too.
+        if decision.escaping || decision.speed_limit_mps > 0.0 && !decision.action.stops() {
             self.seen.ready_s.get_or_insert(seconds);
         }
-        if self.last_status != Some(status.decision.stamp) {
-            self.last_status = Some(status.decision.stamp);
+        if self.last_status.replace(decision.stamp) != Some(decision.stamp) {
             let ready_for_s = if self.seen.ready_s.is_some() { STATUS_S } else { 0.0 };
             self.standing.held(status.decision.holding_cause, ready_for_s);
             if let Some(record) = status.decision.holding_cause {
