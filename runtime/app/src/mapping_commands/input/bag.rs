@@ -15,6 +15,7 @@ use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{Recorded, Recording};
 
 use super::drive::Sink;
+use super::odometry_topic::chosen_odometry;
 use crate::recordings::{FrameTree, flat, is_base};
 
 /// What the first reading of bags finds.
@@ -117,7 +118,7 @@ impl BagSurvey {
     ///
     /// # Errors
     /// It is not there; the message says what is.
-    pub fn choose(mut self, wanted: Option<&str>) -> Result<BagScans, String> {
+    pub fn choose(self, wanted: Option<&str>) -> Result<BagScans, String> {
         let by_count = || self.scans.iter().max_by_key(|(_, count)| **count).map(|(topic, _)| topic.clone());
         let topic = match wanted {
             Some(wanted) => self.scans.contains_key(wanted).then(|| wanted.to_owned()),
@@ -131,12 +132,9 @@ impl BagSurvey {
             return Err(format!("no LaserScan{what}; it holds {}", listed.join(", ")));
         };
         let mounting = self.scan_frames.get(&topic).and_then(|frame| self.frames.mounting(frame));
-        let named = self.odometry.keys().find(|topic| topic.contains("odom")).cloned();
-        let first = named.or_else(|| self.odometry.keys().next().cloned());
-        let odometry = first.and_then(|topic| self.odometry.remove(&topic)).filter(|track| !track.is_empty());
         Ok(BagScans {
             topic,
-            odometry: odometry.unwrap_or(self.by_frames),
+            odometry: chosen_odometry(self.odometry).unwrap_or(self.by_frames),
             scanner_in_robot: mounting.map_or_else(Se2::default, |mounting| Se2::from(flat(&mounting))),
             is_mounted: mounting.is_some(),
             is_inverted: mounting.is_some_and(|mounting| mounting.rotation[2][2] < 0.0),

@@ -6,6 +6,7 @@ mod bag;
 mod carmen;
 mod cloud_sweep;
 mod drive;
+mod odometry_topic;
 mod sieve;
 mod space_bag;
 mod space_drive;
