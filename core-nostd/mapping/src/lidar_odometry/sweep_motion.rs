@@ -44,11 +44,7 @@ impl SweepMotion {
             };
             pose = pose.compose(&step);
         }
-        Self {
-            pieces,
-            turn: (twist.angular_radps * step_s).map(short),
-            duration_s: short(duration_s),
-        }
+        Self { pieces, turn: (twist.angular_radps * step_s).map(short), duration_s: short(duration_s) }
     }
 
     /// A return in the map, metres.

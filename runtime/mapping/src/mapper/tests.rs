@@ -190,13 +190,11 @@ fn interrupted_mapping_ends_with_the_same_bits() {
     let mut half = records.len() * 3 / 5;
     let mut mapper = Mapper::new(MapConfig::default());
     records[..half].iter().for_each(|record| mapper.push(record).unwrap());
-    let bytes = loop {
-        if let Some(bytes) = mapper.checkpoint(half as u64, 5) {
-            break bytes;
-        }
+    let mut bytes = Vec::new();
+    while !mapper.checkpoint(half as u64, 5, &mut bytes).unwrap() {
         mapper.push(&records[half]).unwrap();
         half += 1;
-    };
+    }
     assert!(half < records.len() * 4 / 5, "{half}");
     drop(mapper);
     for cut in (0..bytes.len()).step_by(bytes.len() / 60) {
