@@ -215,6 +215,12 @@ impl Mapper {
         true
     }
 
+    /// Moves the times of all scans, as where their stamps are early.
+    pub fn shift_times(&mut self, later_s: f64) {
+        self.tracker.nodes.iter_mut().for_each(|node| node.time_s += later_s);
+        self.tracker.passages.iter_mut().for_each(|passage| passage.time_s += later_s);
+    }
+
     /// The trajectory of all scans by odometry between the kept ones, ordered by time.
     #[must_use]
     pub fn trajectory(&self) -> Vec<(f64, Se2)> {

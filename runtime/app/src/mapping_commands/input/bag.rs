@@ -1,5 +1,5 @@
-//! Scans of a recording or bag: `LaserScan` with `Odometry` or the moving frame `odom` → base, and the mounting of the
-//! scanner.
+//! Scans of a recording or bag: `LaserScan` with `Odometry` or the moving frame `odom` → base, the turns of a gyroscope, and the
+//! mounting of the scanner.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -16,6 +16,7 @@ use floorguard_recording::{Recorded, Recording};
 
 use super::drive::Sink;
 use super::odometry_topic::chosen_odometry;
+use super::turn_sum::TurnSum;
 use crate::recordings::{FrameTree, flat, is_base};
 
 /// What the first reading of bags finds.
@@ -27,6 +28,8 @@ pub struct BagSurvey {
     pub others: BTreeMap<String, String>,
     odometry: BTreeMap<String, OdometryTrack>,
     by_frames: OdometryTrack,
+    /// Frame and turns of each topic.
+    gyroscope: BTreeMap<String, (String, TurnSum)>,
     frames: FrameTree,
     /// Frame of the scans of each topic.
     scan_frames: BTreeMap<String, String>,
@@ -39,6 +42,8 @@ pub struct BagScans {
     pub topic: String,
     /// The robot over time; empty without odometry.
     pub odometry: OdometryTrack,
+    /// Its heading alone, by the gyroscope; empty where there is none, or where it is mounted is not known.
+    pub turned: OdometryTrack,
     /// The scanner on the robot.
     pub scanner_in_robot: Se2,
     /// The mounting was found.
@@ -68,7 +73,7 @@ impl BagSurvey {
     pub fn read(&mut self, path: &Path) -> anyhow::Result<()> {
         for message in open(path)?.map_while(Result::ok) {
             let kind = kind(&message.schema);
-            let is_wanted = matches!(kind, "LaserScan" | "Odometry" | "TFMessage");
+            let is_wanted = matches!(kind, "LaserScan" | "Odometry" | "TFMessage" | "Imu");
             if is_wanted && &*message.encoding != "cdr" {
                 return Err(BadInput(format!(
                     "{}: {} is serialised as {:?}; a ROS 2 bag has \"cdr\" (convert bags of ROS 1 first)",
@@ -98,6 +103,12 @@ impl BagSurvey {
                 let time_s = seconds(odometry.header.stamp.as_micros());
                 self.odometry.entry(topic).or_default().push(time_s, Se2::from(odometry.pose));
             }
+            "Imu" => {
+                let imu = decode::imu(&message.data)?;
+                let (_, turns) =
+                    self.gyroscope.entry(topic).or_insert((imu.header.frame, TurnSum::default()));
+                turns.push(seconds(imu.header.stamp.as_micros()), imu.angular_radps);
+            }
             "TFMessage" => {
                 for frame in decode::frames(&message.data)? {
                     if is_base(&frame.child) && frame.header.frame.trim_start_matches('/') == "odom" {
@@ -118,7 +129,7 @@ impl BagSurvey {
     ///
     /// # Errors
     /// It is not there; the message says what is.
-    pub fn choose(self, wanted: Option<&str>) -> Result<BagScans, String> {
+    pub fn choose(mut self, wanted: Option<&str>) -> Result<BagScans, String> {
         let by_count = || self.scans.iter().max_by_key(|(_, count)| **count).map(|(topic, _)| topic.clone());
         let topic = match wanted {
             Some(wanted) => self.scans.contains_key(wanted).then(|| wanted.to_owned()),
@@ -132,9 +143,14 @@ impl BagSurvey {
             return Err(format!("no LaserScan{what}; it holds {}", listed.join(", ")));
         };
         let mounting = self.scan_frames.get(&topic).and_then(|frame| self.frames.mounting(frame));
+        let turned = self.gyroscope.pop_first().and_then(|(_, (frame, turns))| {
+            let [.., up_in_gyroscope] = self.frames.mounting(&frame)?.rotation;
+            Some(turns.headings(up_in_gyroscope))
+        });
         Ok(BagScans {
             topic,
             odometry: chosen_odometry(self.odometry).unwrap_or(self.by_frames),
+            turned: turned.unwrap_or_default(),
             scanner_in_robot: mounting.map_or_else(Se2::default, |mounting| Se2::from(flat(&mounting))),
             is_mounted: mounting.is_some(),
             is_inverted: mounting.is_some_and(|mounting| mounting.rotation[2][2] < 0.0),
@@ -214,7 +230,14 @@ mod tests {
         odometry.push(0.9, Se2::default());
         odometry.push(1.1, Se2::new(0.2, 0.0, 0.0));
         let scanner_in_robot = Se2::new(0.9, 0.0, 0.0);
-        BagScans { topic: "/scan".to_owned(), odometry, scanner_in_robot, is_mounted: true, is_inverted }
+        BagScans {
+            topic: "/scan".to_owned(),
+            odometry,
+            turned: OdometryTrack::default(),
+            scanner_in_robot,
+            is_mounted: true,
+            is_inverted,
+        }
     }
 
     /// The stamp is that of the first beam; a scan is seen from its middle one, with the motion there.

@@ -11,6 +11,7 @@ mod sieve;
 mod space_bag;
 mod space_drive;
 mod sweeps;
+mod turn_sum;
 
 pub use drive::{Drive, InputOptions, ReadSummary};
 pub use sieve::SieveCounters;
