@@ -98,6 +98,8 @@ impl Tracker {
     fn push_alone(&mut self, record: &ScanRecord) -> Step {
         let Some(node) = self.nodes.last() else { return Step::Passed };
         let node_pose = node.pose;
+        // The next scans are followed by their odometry once a kept scan has one.
+        let begins = node.odometry.is_none() && record.odometry.is_some();
         let last = self.last_alone.filter(|last| last.time_s >= node.time_s).unwrap_or(LastAlone {
             time_s: node.time_s,
             pose: node_pose,
@@ -126,7 +128,7 @@ impl Tracker {
         let speed = step.scaled(1.0 / passed_s.max(slower));
         self.last_alone = Some(LastAlone { time_s: record.time_s, pose, speed, step });
         let since_node = node_pose.between(pose);
-        if self.has_hardly_moved(since_node) {
+        if !begins && self.has_hardly_moved(since_node) {
             return self.pass(record, since_node, last.speed);
         }
         self.keep(record, pose, refined, points)
