@@ -1,7 +1,7 @@
 //! Files that are read as a whole.
 
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{BufWriter, Read as _, Write as _};
 use std::path::Path;
 
 use floorguard_host::outcome::BadInput;
@@ -25,11 +25,23 @@ pub fn text(path: &Path) -> Result<String, BadInput> {
 /// # Errors
 /// The system refuses.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), BadInput> {
+    write_whole_by(path, |to| to.write_all(bytes))
+}
+
+/// The same, with what `write` writes piece by piece.
+///
+/// # Errors
+/// The system refuses.
+pub fn write_whole_by(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> Result<(), BadInput> {
     let bad = |error: std::io::Error| BadInput(format!("{}: cannot be written ({error})", path.display()));
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let beside = path.with_file_name(name);
-    std::fs::write(&beside, bytes).and_then(|()| File::open(&beside)?.sync_all()).map_err(bad)?;
+    let mut to = BufWriter::new(File::create(&beside).map_err(bad)?);
+    write(&mut to).and_then(|()| to.flush()).and_then(|()| to.get_ref().sync_all()).map_err(bad)?;
     std::fs::rename(&beside, path).map_err(bad)
 }
 

@@ -19,6 +19,7 @@ pub mod pose_graph;
 pub mod refine;
 mod saved;
 mod se2;
+pub mod time_offset;
 mod turn;
 
 pub use se2::Se2;

@@ -1,13 +1,16 @@
 //! Numbers as bytes, little-endian, with a checksum at the end: what is cut or damaged anywhere is not read.
 
+use std::io::{self, Write};
+
 use floorguard_types::geometry::Point2;
 
 use crate::se2::Se2;
 
-/// Writes numbers.
-#[derive(Default)]
-pub struct Saving {
-    bytes: Vec<u8>,
+/// Writes numbers one by one: a mapping is not copied to be kept.
+pub struct Saving<'a> {
+    to: &'a mut dyn Write,
+    sum: Checksum,
+    refused: Option<io::Error>,
 }
 
 /// Reads what [`Saving`] wrote; each reading answers `None` beyond the end.
@@ -16,23 +19,39 @@ pub struct Reading<'a> {
 }
 
 /// FNV-1a, 64 bits (Fowler, Noll, Vo).
-pub fn checksum(bytes: &[u8]) -> u64 {
-    bytes
-        .iter()
-        .fold(0xCBF2_9CE4_8422_2325, |sum, byte| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01B3))
+struct Checksum(u64);
+
+impl Checksum {
+    const NONE: Self = Self(0xCBF2_9CE4_8422_2325);
+
+    fn add(&mut self, bytes: &[u8]) {
+        let step = |sum: u64, byte: &u8| (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01B3);
+        self.0 = bytes.iter().fold(self.0, step);
+    }
 }
 
-impl Saving {
+impl<'a> Saving<'a> {
+    pub fn new(to: &'a mut dyn Write) -> Self {
+        Self { to, sum: Checksum::NONE, refused: None }
+    }
+
+    fn put(&mut self, bytes: &[u8]) {
+        self.sum.add(bytes);
+        if self.refused.is_none() {
+            self.refused = self.to.write_all(bytes).err();
+        }
+    }
+
     pub fn count(&mut self, value: usize) {
-        self.bytes.extend((value as u64).to_le_bytes());
+        self.put(&(value as u64).to_le_bytes());
     }
 
     pub fn number(&mut self, value: f64) {
-        self.bytes.extend(value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     pub fn single(&mut self, value: f32) {
-        self.bytes.extend(value.to_le_bytes());
+        self.put(&value.to_le_bytes());
     }
 
     pub fn pose(&mut self, pose: Se2) {
@@ -52,11 +71,21 @@ impl Saving {
         }
     }
 
-    /// The bytes with their checksum.
-    pub fn finish(mut self) -> Vec<u8> {
-        let sum = checksum(&self.bytes);
-        self.bytes.extend(sum.to_le_bytes());
-        self.bytes
+    /// A number of their kind, and so many halves.
+    pub fn halves(&mut self, kind: usize, values: &[u16]) {
+        self.count(kind);
+        self.count(values.len());
+        values.iter().for_each(|value| self.put(&value.to_le_bytes()));
+    }
+
+    /// Ends with the checksum.
+    ///
+    /// # Errors
+    /// Something could not be written.
+    pub fn finish(mut self) -> io::Result<()> {
+        let sum = self.sum.0;
+        self.put(&sum.to_le_bytes());
+        self.refused.map_or(Ok(()), Err)
     }
 }
 
@@ -64,7 +93,9 @@ impl<'a> Reading<'a> {
     /// `None` if the checksum is wrong.
     pub fn new(bytes: &'a [u8]) -> Option<Self> {
         let (rest, sum) = bytes.split_last_chunk::<8>()?;
-        (checksum(rest) == u64::from_le_bytes(*sum)).then_some(Self { rest })
+        let mut own = Checksum::NONE;
+        own.add(rest);
+        (own.0 == u64::from_le_bytes(*sum)).then_some(Self { rest })
     }
 
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
@@ -83,6 +114,10 @@ impl<'a> Reading<'a> {
 
     pub fn single(&mut self) -> Option<f32> {
         self.take().map(f32::from_le_bytes)
+    }
+
+    pub fn half(&mut self) -> Option<u16> {
+        self.take().map(u16::from_le_bytes)
     }
 
     /// Not wrapped again: the bits stay.

@@ -19,6 +19,12 @@ pub const TRUE_PEOPLE: &str = "/ground_truth/people";
 /// Everything that stands, frame `world`, at the beginning of the recording: a namespace each, with its name.
 pub const TRUE_THINGS: &str = "/ground_truth/things";
 
+/// Whether a topic holds what only a simulator knows: no program that judges by it may use it.
+#[must_use]
+pub fn is_truth(topic: &str) -> bool {
+    topic.starts_with("/ground_truth/")
+}
+
 /// Shape of a solid; sizes are whole lengths, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SolidShape {

@@ -32,9 +32,10 @@ const PLACE_MAX_M: f64 = 0.015;
 const HEADING_MAX_RAD: f64 = 0.1 / 180.0 * std::f64::consts::PI;
 const LOSS_MAX_M: f64 = 0.01;
 const WALL_MAX_M: f64 = 0.03;
-/// How old a scan is when it comes is known to some milliseconds only (20 to 45 ms within the scanner): ages that are tried.
-const AGES_S: std::ops::RangeInclusive<i32> = -12..=12;
-const AGE_STEP_S: f64 = 0.002;
+/// How old a scan is when it comes is known to some milliseconds only (20 to 45 ms within the scanner). The command finds it from the
+/// drive; ages beyond that are tried to see what is left.
+const AGES_S: std::ops::RangeInclusive<i32> = -24..=24;
+const AGE_STEP_S: f64 = 0.001;
 /// The lidar on the robot, and the limits of its maps in space: drift of the lidar alone as a share of the way, and place with loops
 /// closed.
 const LIDAR_IN_ROBOT: [f64; 3] = [0.5, 0.0, 0.0];
@@ -50,8 +51,8 @@ const FINE_CELL: &str = "0.01";
 struct Driven {
     /// Metres.
     path_m: f64,
-    /// With the stamps as they are, and with the age of the scans that fits best.
-    stamped: Errors,
+    /// With the times of the command, and with those that fit best.
+    as_mapped: Errors,
     aged: (f64, Errors),
 }
 
@@ -90,7 +91,7 @@ struct InSpace {
 pub fn slam_beside_truth(folder: &Path) -> anyhow::Result<(String, bool)> {
     std::fs::create_dir_all(folder)?;
     let mut flat = String::from(
-        "| drive | path, m | place, cm | largest, cm | heading, ° | scans older by, ms | then place, cm | heading, ° | with losses, cm | walls, cm |\n\
+        "| drive | path, m | place, cm | largest, cm | heading, ° | times still early by, ms | then place, cm | heading, ° | with losses, cm | walls, cm |\n\
          |---|---|---|---|---|---|---|---|---|---|\n",
     );
     let mut in_space = String::from(
@@ -123,14 +124,14 @@ fn measure(folder: &Path, (scenario, seed): (&str, u64)) -> anyhow::Result<Measu
 
 impl Measured {
     fn holds(&self) -> bool {
-        let (_, best) = self.whole.aged;
-        let lost_m = self.lossy.aged.1.place.rmse - best.place.rmse;
+        let mapped = self.whole.as_mapped;
+        let lost_m = self.lossy.as_mapped.place.rmse - mapped.place.rmse;
         let alone = self.alone;
         let is_near = alone.drift_m <= DRIFT_MAX * self.whole.path_m
             && self.lossy_alone.place.rmse - alone.place.rmse <= LOSS_MAX_M;
         // Of a smooth corridor a lidar alone may doubt its map, and must where it is wrong.
-        best.place.rmse <= PLACE_MAX_M
-            && best.heading_rad <= HEADING_MAX_RAD
+        mapped.place.rmse <= PLACE_MAX_M
+            && mapped.heading_rad <= HEADING_MAX_RAD
             && lost_m <= LOSS_MAX_M
             && self.walls_m <= WALL_MAX_M
             && (is_near || alone.is_doubted && self.lossy_alone.is_doubted)
@@ -140,20 +141,20 @@ impl Measured {
     }
 
     fn rows(&self, scenario: &str, (flat, in_space): (&mut String, &mut String)) {
-        let (stamped, (age_s, best)) = (self.whole.stamped, self.whole.aged);
+        let (mapped, (age_s, best)) = (self.whole.as_mapped, self.whole.aged);
         let cm = |metres: f64| 100.0 * metres;
         // Writing to a string cannot fail.
         let _ = writeln!(
             flat,
             "| {scenario} | {:.0} | {:.2} | {:.1} | {:.3} | {:.0} | {:.2} | {:.3} | {:.2} | {:.1} |",
             self.whole.path_m,
-            cm(stamped.place.rmse),
-            cm(stamped.place.most),
-            stamped.heading_rad.to_degrees(),
+            cm(mapped.place.rmse),
+            cm(mapped.place.most),
+            mapped.heading_rad.to_degrees(),
             1.0e3 * age_s,
             cm(best.place.rmse),
             best.heading_rad.to_degrees(),
-            cm(self.lossy.aged.1.place.rmse),
+            cm(self.lossy.as_mapped.place.rmse),
             cm(self.walls_m)
         );
         let shown = |map: &InSpace| {
@@ -197,11 +198,11 @@ fn drive(folder: &Path, (scenario, seed): (&str, u64), faults: &[&str]) -> anyho
     let truth = true_poses(&file)?;
     let path_m = truth.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).sum();
     let of_age = |age_s: f64| errors(&pairs(&truth, &result, age_s));
-    let stamped = of_age(0.0);
-    ensure!(stamped.place.count * 100 > result.len() * 99, "poses without a true one");
+    let as_mapped = of_age(0.0);
+    ensure!(as_mapped.place.count * 100 > result.len() * 99, "poses without a true one");
     let ages = AGES_S.map(|step| f64::from(step) * AGE_STEP_S).map(|age_s| (age_s, of_age(age_s)));
     let aged = ages.min_by(|a, b| a.1.place.rmse.total_cmp(&b.1.place.rmse)).context("no age")?;
-    Ok(Driven { path_m, stamped, aged })
+    Ok(Driven { path_m, as_mapped, aged })
 }
 
 /// Maps the lidar's sweeps in space.
@@ -239,7 +240,7 @@ fn true_poses(file: &Path) -> anyhow::Result<Vec<(f64, Se2)>> {
     Ok(poses)
 }
 
-/// Each pose beside the true one of its time, of scans that are younger by `age_s` than their stamps say.
+/// Each pose beside the true one of its time, of scans that are younger by `age_s` than their times say.
 fn pairs(truth: &[(f64, Se2)], result: &[TimedPose], age_s: f64) -> Vec<PosePair> {
     let pair = |pose: &TimedPose| {
         let time_s = pose.time_s + age_s;

@@ -5,6 +5,7 @@
 //! powers 0, 1 and 2 of that time) hold all that 12 unknowns need.
 
 use floorguard_types::number::{count_u32, nearest_f32_of_f64, nearest_f64};
+use heapless::Vec;
 use nalgebra::{Matrix6, Vector3, Vector6};
 
 use super::averaging::AveragedReturn;
@@ -118,25 +119,54 @@ pub(super) struct SweepInformation {
     pub(super) weakest: Weakest,
 }
 
-/// Six derivatives, the distance, and nothing.
-type Row = [f32; 8];
+/// Six derivatives, and the distance.
+type Row = [f32; 7];
 
-/// Sums of the products of a few rows, each entry with each.
+/// A row and how much it counts.
 #[derive(Clone, Copy)]
-struct Products([Row; 6]);
+struct Weighed {
+    row: Row,
+    weight: f32,
+}
+
+/// Sums of the products of a few rows: each derivative with itself and with what stands after it; the other products are the
+/// same.
+struct Products {
+    first: [f32; 7],
+    second: [f32; 6],
+    third: [f32; 5],
+    fourth: [f32; 4],
+    fifth: [f32; 3],
+    sixth: [f32; 2],
+}
 
 impl Products {
-    const ZERO: Self = Self([[0.0; 8]; 6]);
-
-    #[inline]
-    fn add(&mut self, row: &Row, weight: f32) {
-        for (sums, left) in self.0.iter_mut().zip(row) {
-            let factor = weight * left;
-            for (sum, right) in sums.iter_mut().zip(row) {
-                *sum += factor * right;
-            }
+    /// In two passes, each of which has its sums in the registers of a processor with 32 of them.
+    fn of(rows: &[Weighed]) -> Self {
+        let (mut first, mut second, mut third) = ([0.0; 7], [0.0; 6], [0.0; 5]);
+        for Weighed { row: [a, b, c, d, e, f, distance], weight } in rows.iter().copied() {
+            add_scaled(&mut first, [a, b, c, d, e, f, distance], weight * a);
+            add_scaled(&mut second, [b, c, d, e, f, distance], weight * b);
+            add_scaled(&mut third, [c, d, e, f, distance], weight * c);
         }
+        let (mut fourth, mut fifth, mut sixth) = ([0.0; 4], [0.0; 3], [0.0; 2]);
+        for Weighed { row: [.., d, e, f, distance], weight } in rows.iter().copied() {
+            add_scaled(&mut fourth, [d, e, f, distance], weight * d);
+            add_scaled(&mut fifth, [e, f, distance], weight * e);
+            add_scaled(&mut sixth, [f, distance], weight * f);
+        }
+        Self { first, second, third, fourth, fifth, sixth }
     }
+
+    /// Row by row, without what stands before the diagonal.
+    fn rows(&self) -> [&[f32]; 6] {
+        [&self.first, &self.second, &self.third, &self.fourth, &self.fifth, &self.sixth]
+    }
+}
+
+#[inline]
+fn add_scaled<const N: usize>(sums: &mut [f32; N], values: [f32; N], factor: f32) {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
 }
 
 /// How the returns are seen in one round.
@@ -160,13 +190,17 @@ impl Sums {
         }
     }
 
-    fn take(&mut self, products: &mut Products, time_s: f64) {
+    fn take(&mut self, products: &Products, time_s: f64) {
         let powers = [1.0, time_s, time_s * time_s];
-        for (row, sums) in products.0.iter().enumerate() {
-            for (column, sum) in sums.iter().enumerate() {
+        for (row, sums) in products.rows().into_iter().enumerate() {
+            for (column, sum) in (row..7).zip(sums) {
                 let sum = f64::from(*sum);
                 for (matrix, power) in self.by_time.iter_mut().zip(powers) {
-                    matrix.get_mut((row, column)).into_iter().for_each(|cell| *cell += sum * power);
+                    let product = sum * power;
+                    matrix.get_mut((row, column)).into_iter().for_each(|cell| *cell += product);
+                    if row != column {
+                        matrix.get_mut((column, row)).into_iter().for_each(|cell| *cell += product);
+                    }
                 }
                 if column == 6 {
                     for (gradient, power) in self.gradient.iter_mut().zip(powers) {
@@ -175,7 +209,6 @@ impl Sums {
                 }
             }
         }
-        *products = Products::ZERO;
     }
 
     /// What the sweep says about the state whose pose is given, in its axes. Directions of the place about which it says no
@@ -235,19 +268,20 @@ pub(super) fn measure<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let mut sums = Sums::none();
     let (returns, matches) = returns;
     for (returns, matches) in returns.chunks(TOGETHER).zip(matches.chunks_mut(TOGETHER)) {
-        let mut products = Products::ZERO;
+        let mut rows: Vec<Weighed, TOGETHER> = Vec::new();
         let mut time_sum = 0.0_f64;
         for (each, matched) in returns.iter().zip(matches) {
             time_sum += f64::from(round.motion.time_s(each.time_share));
             let Some(found) = row(each, matched, map, (round, end)) else { continue };
-            products.add(&found.row, found.weight);
+            // As many rows as returns: they fit.
+            let _ = rows.push(Weighed { row: found.row, weight: found.weight });
             sums.matched = sums.matched.saturating_add(1);
             sums.squares += f64::from(found.square * found.kernel);
             sums.kernels += f64::from(found.kernel);
             sums.tilts += f64::from(found.weight * found.tilt);
         }
         let count = count_u32(returns.len()).max(1);
-        sums.take(&mut products, time_sum / nearest_f64(count));
+        sums.take(&Products::of(&rows), time_sum / nearest_f64(count));
     }
     sums
 }
@@ -267,8 +301,7 @@ fn row<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     map: &VoxelMap<S>,
     (round, end): (&Round<'_>, &Vector3<f32>),
 ) -> Option<Found> {
-    let placed = round.motion.place(&each.point_in_sensor, each.time_share);
-    let point = placed.arm + placed.origin;
+    let point = round.motion.transform(&each.point_in_sensor, each.time_share);
     let plane = plane_of(&point, matched, map)?;
     let from_middle = point - plane.mean;
     let distance = plane.normal.dot(&from_middle);
@@ -284,7 +317,7 @@ fn row<S: AsRef<[Bucket]> + AsMut<[Bucket]>>(
     let turn = arm.cross(&plane.normal);
     let n = plane.normal;
     let kernel = share * share;
-    let row = [turn.x, turn.y, turn.z, n.x, n.y, n.z, distance, 0.0];
+    let row = [turn.x, turn.y, turn.z, n.x, n.y, n.z, distance];
     Some(Found { row, weight: kernel / variance, kernel, square, tilt: plane.tilt })
 }
 

@@ -109,19 +109,56 @@ impl Run {
         }
     }
 
-    /// Whether the return lies on the same surface as the run.
-    fn continues(&self, point: &Vector3<f32>, config: &AveragingConfig) -> bool {
-        let square = point.norm_squared();
-        let limit = |base: f32, slope: f32| base * base + slope * slope * square;
-        let step = point - self.last;
-        let straight =
-            self.count < 2 || (step - self.step).norm_squared() <= limit(config.bend_m, config.bend_per_m);
-        straight && step.norm_squared() <= limit(config.step_m, config.step_per_m)
+    /// Whether a return that is a step from the last one lies on the same surface as the run. `square` is that of its range.
+    #[inline]
+    fn continues(&self, step: &Vector3<f32>, square: f32, limits: &Limits) -> bool {
+        let [bend, step_most] = [limits.bend, limits.step].map(|[base, slope]| base + slope * square);
+        let straight = self.count < 2 || (step - self.step).norm_squared() <= bend;
+        straight && step.norm_squared() <= step_most
     }
 
     fn mean(&self) -> AveragedReturn {
         let share = 1.0 / f32::from(self.count.max(1));
         AveragedReturn { point_in_sensor: self.sum * share, time_share: self.time_sum * share }
+    }
+}
+
+/// The settings as squares.
+struct Limits {
+    /// From the square of the least range to that of the largest, as bits: numbers from 0 on are ordered as theirs are.
+    range_bits: [u32; 2],
+    /// What a step and its change may be, and what is added to it with the square of the range.
+    step: [f32; 2],
+    bend: [f32; 2],
+    length: f32,
+}
+
+impl Limits {
+    fn of(config: &AveragingConfig) -> Self {
+        let square = |value: f32| value * value;
+        Self {
+            range_bits: [config.range_least_m, config.range_most_m].map(|range_m| square(range_m).to_bits()),
+            step: [config.step_m, config.step_per_m].map(square),
+            bend: [config.bend_m, config.bend_per_m].map(square),
+            length: square(config.length_m),
+        }
+    }
+}
+
+/// Takes the means of the runs that end.
+struct Means<'a, const N: usize> {
+    means: &'a mut Vec<AveragedReturn, N>,
+    run_least: u16,
+    dropped: u32,
+}
+
+impl<const N: usize> Means<'_, N> {
+    /// Out of the loop over the returns, which needs the registers; one of eight returns ends a run.
+    #[inline(never)]
+    fn give(&mut self, run: &Run) {
+        if run.count >= self.run_least && self.means.push(run.mean()).is_err() {
+            self.dropped = self.dropped.saturating_add(1);
+        }
     }
 }
 
@@ -133,40 +170,36 @@ pub fn average_returns<const N: usize>(
     means: &mut Vec<AveragedReturn, N>,
 ) -> u32 {
     means.clear();
-    let mut dropped = 0_u32;
-    let mut give = |run: &Run| {
-        if run.count >= config.run_least && means.push(run.mean()).is_err() {
-            dropped = dropped.saturating_add(1);
-        }
-    };
+    let mut means = Means { means, run_least: config.run_least, dropped: 0 };
     let mut runs = [Run::NONE; RINGS_MAX];
-    let near = config.range_least_m * config.range_least_m;
-    let far = config.range_most_m * config.range_most_m;
+    let limits = Limits::of(config);
+    let [near, far] = limits.range_bits;
     for each in sweep {
         let Some(run) = runs.get_mut(usize::from(each.ring)) else { continue };
         let square = each.point_in_sensor.norm_squared();
-        // A NaN is in no range.
-        if !(near..=far).contains(&square) {
+        // The bits of a NaN are in no range.
+        if !(near..=far).contains(&square.to_bits()) {
             continue;
         }
-        if run.count > 0 && run.continues(&each.point_in_sensor, config) {
-            run.step = each.point_in_sensor - run.last;
+        let step = each.point_in_sensor - run.last;
+        if run.count > 0 && run.continues(&step, square, &limits) {
+            run.step = step;
             run.last = each.point_in_sensor;
             run.sum += each.point_in_sensor;
             run.time_sum += each.time_share;
             run.count = run.count.saturating_add(1);
             let length = (run.last - run.first).norm_squared();
-            if run.count >= config.run || length > config.length_m * config.length_m {
-                give(run);
+            if run.count >= config.run || length > limits.length {
+                means.give(run);
                 *run = Run::NONE;
             }
         } else {
-            give(run);
+            means.give(run);
             *run = Run::starting_at(each);
         }
     }
-    runs.iter().for_each(give);
-    dropped
+    runs.iter().for_each(|run| means.give(run));
+    means.dropped
 }
 
 #[cfg(test)]

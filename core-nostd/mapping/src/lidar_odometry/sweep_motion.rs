@@ -13,6 +13,8 @@ pub(super) const PIECES: usize = 64;
 struct Piece {
     rotation: Matrix3<f32>,
     place: Vector3<f32>,
+    /// Of the sensor over the piece.
+    step: Vector3<f32>,
 }
 
 /// Places returns of a sweep in the map.
@@ -21,7 +23,6 @@ pub struct SweepMotion {
     pieces: [Piece; PIECES],
     /// Of the body, over one piece.
     turn: Vector3<f32>,
-    step: Vector3<f32>,
     duration_s: f32,
 }
 
@@ -33,43 +34,30 @@ impl SweepMotion {
         let step_s = duration_s / nearest_f64(PIECES);
         let step = twist.over(-step_s);
         let mut pose = end.compose(&twist.over(-0.5 * step_s));
-        let none = Piece { rotation: Matrix3::zeros(), place: Vector3::zeros() };
+        let none = Piece { rotation: Matrix3::zeros(), place: Vector3::zeros(), step: Vector3::zeros() };
         let mut pieces = [none; PIECES];
         for piece in pieces.iter_mut().rev() {
-            *piece = Piece { rotation: pose.rotation.map(short), place: pose.place_m.map(short) };
+            *piece = Piece {
+                rotation: pose.rotation.map(short),
+                place: pose.place_m.map(short),
+                step: (pose.rotation * twist.linear_mps * step_s).map(short),
+            };
             pose = pose.compose(&step);
         }
-        Self {
-            pieces,
-            turn: (twist.angular_radps * step_s).map(short),
-            step: (twist.linear_mps * step_s).map(short),
-            duration_s: short(duration_s),
-        }
-    }
-
-    /// A return in the map: rotated into the map's axes about the sensor, and the sensor's place.
-    #[inline]
-    #[must_use]
-    pub(super) fn place(&self, point_in_sensor: &Vector3<f32>, time_share: f32) -> PlacedReturn {
-        let at = time_share * count_f32(PIECES);
-        let index = saturating_usize(at).min(PIECES - 1);
-        let Some(piece) = self.pieces.get(index) else {
-            return PlacedReturn { arm: *point_in_sensor, origin: Vector3::zeros() };
-        };
-        let rest = at - count_f32(index) - 0.5;
-        // Within a piece the rotation is small: its first order is exact to a few micrometres.
-        let turned = point_in_sensor + self.turn.cross(point_in_sensor) * rest;
-        PlacedReturn {
-            arm: piece.rotation * turned,
-            origin: piece.place + piece.rotation * (self.step * rest),
-        }
+        Self { pieces, turn: (twist.angular_radps * step_s).map(short), duration_s: short(duration_s) }
     }
 
     /// A return in the map, metres.
+    #[inline]
     #[must_use]
     pub fn transform(&self, point_in_sensor: &Vector3<f32>, time_share: f32) -> Vector3<f32> {
-        let placed = self.place(point_in_sensor, time_share);
-        placed.arm + placed.origin
+        let at = time_share * count_f32(PIECES);
+        let index = saturating_usize(at).min(PIECES - 1);
+        let Some(piece) = self.pieces.get(index) else { return *point_in_sensor };
+        let rest = at - count_f32(index) - 0.5;
+        // Within a piece the rotation is small: its first order is exact to a few micrometres.
+        let turned = point_in_sensor + self.turn.cross(point_in_sensor) * rest;
+        piece.rotation * turned + (piece.place + piece.step * rest)
     }
 
     /// Seconds before the end of the sweep, as a negative number.
@@ -78,15 +66,6 @@ impl SweepMotion {
     pub(super) fn time_s(&self, time_share: f32) -> f32 {
         (time_share - 1.0) * self.duration_s
     }
-}
-
-/// A return in the axes of the map.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PlacedReturn {
-    /// From the sensor to the return.
-    pub(super) arm: Vector3<f32>,
-    /// Where the sensor was.
-    pub(super) origin: Vector3<f32>,
 }
 
 #[cfg(test)]

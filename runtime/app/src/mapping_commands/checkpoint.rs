@@ -8,7 +8,7 @@ use floorguard_host::outcome::BadInput;
 use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 
 use super::arguments::MapArguments;
-use crate::files::write_whole;
+use crate::files::write_whole_by;
 
 /// The state is written this often.
 const EVERY: Duration = Duration::from_secs(5);
@@ -46,14 +46,16 @@ impl Checkpoint {
             return Ok(());
         }
         // While loops are worked in, the next scans are waited for.
-        let Some(bytes) = mapper.checkpoint(scans, self.key) else { return Ok(()) };
+        if !mapper.is_settled() {
+            return Ok(());
+        }
         self.written.set(Instant::now());
         // The folder of the map is made when the map is whole; its parent may not be there yet.
         if let Some(parent) = self.path.parent() {
             let refused = |error| BadInput(format!("{}: cannot be made ({error})", parent.display()));
             std::fs::create_dir_all(parent).map_err(refused)?;
         }
-        write_whole(&self.path, &bytes)
+        write_whole_by(&self.path, |to| mapper.checkpoint(scans, self.key, to).map(drop))
     }
 
     /// The map is whole: the state goes.

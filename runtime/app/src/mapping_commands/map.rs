@@ -10,6 +10,7 @@ use floorguard_mapping_host::front_end::FrontEndConfig;
 use floorguard_mapping_host::grid_map::{GridMap, GridMapConfig, build_grid_map};
 use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::output::{OutputFile, check_place, map_files, replace_folder};
+use floorguard_mapping_host::time_offset::{TimeOffset, estimate_time_offset};
 
 use super::arguments::{MapArguments, MapTask};
 use super::checkpoint::Checkpoint;
@@ -44,11 +45,13 @@ pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
     if checkpoint.scans > 0 {
         say!("goes on after {} of an interrupted mapping", counted(checkpoint.scans, "scan"));
     }
-    let (mapper, read) = mapped(&drive, mapper, &checkpoint)?;
+    let (mut mapper, read) = mapped(&drive, mapper, &checkpoint)?;
     let grid = GridMapConfig { cell_m: arguments.cell_m, ..GridMapConfig::default() };
     let map = grid_map(&mapper, &grid)?;
-    let trajectory = robot_trajectory(&mapper, drive.scanner_in_robot);
+    let (scanner, offset) = timed_trajectory(&mut mapper, &drive);
+    let trajectory = robot_trajectory(&scanner, drive.scanner_in_robot);
     let mut summary = summarise(&mapper, &map, read.counters, began.elapsed().as_secs_f64());
+    summary.enter_offset(offset);
     summary.notes.extend(drive.notes.iter().cloned());
     summary.notes.extend(read.ended.iter().map(|why| format!("{why}; everything before is in the map")));
     let names: Vec<String> = arguments.files.iter().map(|file| file.display().to_string()).collect();
@@ -97,11 +100,21 @@ fn grid_map(mapper: &Mapper, grid: &GridMapConfig) -> Result<GridMap, BadInput> 
     build_grid_map(scans, grid).ok_or_else(|| BadInput("no return in any scan: nothing to map".to_owned()))
 }
 
+/// The poses of all scans; where the drive shows that their stamps are early or late, all times are corrected.
+fn timed_trajectory(mapper: &mut Mapper, drive: &Drive) -> (Vec<(f64, Se2)>, Option<TimeOffset>) {
+    let mut scanner = mapper.matched_trajectory();
+    let offset = drive.headings().and_then(|headings| estimate_time_offset(&scanner, headings));
+    if let Some(offset) = offset.filter(TimeOffset::is_believed) {
+        mapper.shift_times(offset.younger_s);
+        scanner.iter_mut().for_each(|(time_s, _)| *time_s += offset.younger_s);
+    }
+    (scanner, offset)
+}
+
 /// Poses of the robot, not of its scanner.
-fn robot_trajectory(mapper: &Mapper, scanner_in_robot: Se2) -> Vec<(f64, Se2)> {
+fn robot_trajectory(scanner: &[(f64, Se2)], scanner_in_robot: Se2) -> Vec<(f64, Se2)> {
     let robot_in_scanner = scanner_in_robot.inverse();
-    let scanner = mapper.matched_trajectory();
-    scanner.into_iter().map(|(time_s, pose)| (time_s, pose.compose(robot_in_scanner))).collect()
+    scanner.iter().map(|(time_s, pose)| (*time_s, pose.compose(robot_in_scanner))).collect()
 }
 
 fn conclude((json, out): (bool, &Path), summary: &MapSummary, ended: Option<String>) -> anyhow::Result<()> {

@@ -40,6 +40,16 @@ fn list(title: &str, lines: &[String]) -> String {
     format!("<h2>{title}</h2><ul>{items}</ul>")
 }
 
+fn stamps(summary: &MapSummary) -> String {
+    match (summary.scans_younger_ms, summary.times_corrected) {
+        (None, _) => {
+            "not judged: the drive turns too little, or its odometry has no stamps of its own".to_owned()
+        }
+        (Some(_), true) => format!("scans are {}; corrected", summary.offset_in_words()),
+        (Some(_), false) => format!("as they are; scans seem {}", summary.offset_in_words()),
+    }
+}
+
 fn figures(summary: &MapSummary, files: &[String]) -> String {
     let input = &summary.input;
     let drift = summary.odometry_drift_m.map_or_else(|| "no odometry".to_owned(), |m| format!("{m:.2} m"));
@@ -56,6 +66,7 @@ fn figures(summary: &MapSummary, files: &[String]) -> String {
         ("kept scans that hardly fit", summary.poor_scans.to_string()),
         ("recognised places rejected by the others", summary.loops_rejected.to_string()),
         ("largest distance of the odometry from the map", drift),
+        ("stamps of the scans", stamps(summary)),
         ("cell", format!("{:.3} m", summary.cell_m)),
         ("time needed", format!("{:.1} s, {:.2} ms a scan", summary.took_s, summary.ms_per_scan)),
     ];

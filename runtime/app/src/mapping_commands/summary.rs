@@ -4,6 +4,7 @@ use floorguard_mapping::Occupancy;
 use floorguard_mapping_host::Se2;
 use floorguard_mapping_host::grid_map::GridMap;
 use floorguard_mapping_host::mapper::Mapper;
+use floorguard_mapping_host::time_offset::{OFFSET_MAX_S, TimeOffset};
 use serde::Serialize;
 
 use super::input::SieveCounters;
@@ -47,6 +48,13 @@ pub struct MapSummary {
     pub loops_rejected: usize,
     /// Largest distance between odometry and map once both begin alike.
     pub odometry_drift_m: Option<f64>,
+    /// By how much the scans are younger than their stamps say, by the turns of the drive; none where it turns too little or its
+    /// odometry has no stamps of its own.
+    pub scans_younger_ms: Option<f64>,
+    /// Its standard deviation.
+    pub scans_younger_deviation_ms: Option<f64>,
+    /// The times of the poses are corrected by it.
+    pub times_corrected: bool,
     /// Edge of a cell.
     pub cell_m: f64,
     /// Width and height of the map.
@@ -83,6 +91,9 @@ pub fn summarise(mapper: &Mapper, map: &GridMap, input: SieveCounters, took_s: f
         loops: believed,
         loops_rejected: mapper.loops.len() - believed,
         odometry_drift_m: odometry_drift_m(mapper),
+        scans_younger_ms: None,
+        scans_younger_deviation_ms: None,
+        times_corrected: false,
         cell_m: map.cell_m,
         size_m: [size(map.columns), size(map.rows)],
         free_m2: map.area_m2(Occupancy::Free),
@@ -103,6 +114,32 @@ fn odometry_drift_m(mapper: &Mapper) -> Option<f64> {
 }
 
 impl MapSummary {
+    /// What the drive says about the stamps of its scans.
+    pub fn enter_offset(&mut self, offset: Option<TimeOffset>) {
+        let Some(offset) = offset else { return };
+        let (younger_ms, deviation_ms) = (1.0e3 * offset.younger_s, 1.0e3 * offset.deviation_s);
+        self.scans_younger_ms = Some(younger_ms);
+        self.scans_younger_deviation_ms = Some(deviation_ms);
+        self.times_corrected = offset.is_believed();
+        if self.times_corrected {
+            let what = self.offset_in_words();
+            self.notes.push(format!("scans are {what} than stamped; the times of the poses are corrected"));
+        } else if offset.is_absurd() {
+            self.notes.push(format!(
+                "the turns of scans and odometry lie more than {:.0} ms apart: their clocks differ, and nothing is corrected",
+                1.0e3 * OFFSET_MAX_S
+            ));
+        }
+    }
+
+    /// "12.1 ± 0.1 ms younger".
+    pub fn offset_in_words(&self) -> String {
+        let younger_ms = self.scans_younger_ms.unwrap_or(0.0);
+        let word = if younger_ms < 0.0 { "older" } else { "younger" };
+        let deviation_ms = self.scans_younger_deviation_ms.unwrap_or(0.0).max(0.1);
+        format!("{:.1} ± {deviation_ms:.1} ms {word}", younger_ms.abs())
+    }
+
     fn judge(&mut self) {
         let share = |part: u64, all: u64| part as f64 / all.max(1) as f64;
         let input = self.input;

@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 use nalgebra::Matrix3;
 
+use super::packed::PackedScan;
 use crate::se2::Se2;
 
 /// A scan that was matched and kept.
@@ -31,6 +32,6 @@ pub struct Passage {
     pub node: usize,
     /// Where it stands, seen from that scan, by odometry or by the last motion.
     pub from_node: Se2,
-    /// The returns, in the scanner's frame.
-    pub points: Box<[Point2]>,
+    /// The scan.
+    pub scan: PackedScan,
 }

@@ -5,11 +5,12 @@ use nalgebra::Matrix3;
 use super::config::FrontEndConfig;
 use super::local_map::LocalMap;
 use super::node::{Node, Passage};
+use super::packed::PackedScan;
 use super::tracker::{LastAlone, Tracker};
 use crate::saved::{Reading, Saving};
 
 impl Tracker {
-    pub(crate) fn save(&self, to: &mut Saving) {
+    pub(crate) fn save(&self, to: &mut Saving<'_>) {
         to.count(self.nodes.len());
         for node in &self.nodes {
             to.number(node.time_s);
@@ -24,7 +25,7 @@ impl Tracker {
             to.number(passage.time_s);
             to.count(passage.node);
             to.pose(passage.from_node);
-            to.points(&passage.points);
+            passage.scan.save(to);
         }
         to.count(self.maps.len());
         for map in &self.maps {
@@ -74,5 +75,5 @@ fn node(from: &mut Reading<'_>) -> Option<Node> {
 
 fn passage(from: &mut Reading<'_>) -> Option<Passage> {
     let (time_s, node) = (from.number()?, from.count()?);
-    Some(Passage { time_s, node, from_node: from.pose()?, points: from.points()? })
+    Some(Passage { time_s, node, from_node: from.pose()?, scan: PackedScan::read(from)? })
 }

@@ -9,6 +9,7 @@ use nalgebra::Matrix3;
 use super::config::FrontEndConfig;
 use super::local_map::LocalMap;
 use super::node::{Node, Passage};
+use super::packed::PackedScan;
 use crate::input::ScanRecord;
 use crate::se2::Se2;
 
@@ -70,18 +71,19 @@ impl Tracker {
 
     /// Takes the next scan.
     pub fn push(&mut self, record: &ScanRecord) -> Step {
-        let points = record.points(self.config.range_least_m, self.config.range_most_m);
+        let points = || record.points(self.config.range_least_m, self.config.range_most_m);
         let Some(node) = self.nodes.last() else {
             let start = record.odometry.unwrap_or_default();
-            return self.keep(record, start, Refined::none(), points);
+            return self.keep(record, start, Refined::none(), points());
         };
         let (Some(before), Some(now)) = (node.odometry, record.odometry) else {
-            return self.push_alone(record, points);
+            return self.push_alone(record);
         };
         let moved = before.between(now);
         if self.has_hardly_moved(moved) {
-            return self.pass(record, moved, points);
+            return self.pass(record, moved, record.motion);
         }
+        let points = points();
         let expected = node.pose.compose(moved);
         let (distance, turn) = (moved.length_m(), moved.heading_rad.abs());
         let half_m = 0.1 + 0.25 * distance + 0.1 * turn;
@@ -93,9 +95,11 @@ impl Tracker {
 
     /// A scan without odometry: the motion since the last scan goes on, and the window is wide enough for a robot that
     /// starts or stops.
-    fn push_alone(&mut self, record: &ScanRecord, points: Vec<Point2>) -> Step {
+    fn push_alone(&mut self, record: &ScanRecord) -> Step {
         let Some(node) = self.nodes.last() else { return Step::Passed };
         let node_pose = node.pose;
+        // The next scans are followed by their odometry once a kept scan has one.
+        let begins = node.odometry.is_none() && record.odometry.is_some();
         let last = self.last_alone.filter(|last| last.time_s >= node.time_s).unwrap_or(LastAlone {
             time_s: node.time_s,
             pose: node_pose,
@@ -103,11 +107,8 @@ impl Tracker {
             step: Se2::default(),
         });
         let passed_s = (record.time_s - last.time_s).clamp(1.0e-3, 1.0);
-        let points = if record.between_s == 0.0 {
-            points
-        } else {
-            record.points_in_motion(self.config.range_least_m, self.config.range_most_m, last.speed)
-        };
+        let (least_m, most_m) = (self.config.range_least_m, self.config.range_most_m);
+        let points = record.points_in_motion(least_m, most_m, last.speed);
         let moved = last.speed.scaled(passed_s);
         let window = [(0.1 + 0.7 * passed_s).min(0.6), (0.05 + 0.7 * passed_s).min(0.5)];
         let mut expected = last.pose.compose(moved);
@@ -127,20 +128,26 @@ impl Tracker {
         let speed = step.scaled(1.0 / passed_s.max(slower));
         self.last_alone = Some(LastAlone { time_s: record.time_s, pose, speed, step });
         let since_node = node_pose.between(pose);
-        if self.has_hardly_moved(since_node) {
-            return self.pass(record, since_node, points);
+        if !begins && self.has_hardly_moved(since_node) {
+            return self.pass(record, since_node, last.speed);
         }
         self.keep(record, pose, refined, points)
+    }
+
+    /// Frees the local maps, once no scan is to come any more.
+    pub fn forget_maps(&mut self) {
+        self.maps = Vec::new();
+        self.cells = Vec::new();
     }
 
     fn has_hardly_moved(&self, moved: Se2) -> bool {
         moved.length_m() < self.config.travel_m && moved.heading_rad.abs() < self.config.turn_rad
     }
 
-    fn pass(&mut self, record: &ScanRecord, from_node: Se2, points: Vec<Point2>) -> Step {
+    fn pass(&mut self, record: &ScanRecord, from_node: Se2, motion: Se2) -> Step {
         let node = self.nodes.len().saturating_sub(1);
-        let points = points.into_boxed_slice();
-        self.passages.push(Passage { time_s: record.time_s, node, from_node, points });
+        let scan = PackedScan::new(record, [self.config.range_least_m, self.config.range_most_m], motion);
+        self.passages.push(Passage { time_s: record.time_s, node, from_node, scan });
         Step::Passed
     }
 

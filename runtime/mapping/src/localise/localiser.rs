@@ -181,7 +181,7 @@ impl Localiser {
             Step::Passed => {
                 let Some(passage) = self.tracker.passages.last() else { return Located::default() };
                 let pose = self.tracker.nodes[passage.node].pose.compose(passage.from_node);
-                (pose, passage.points.clone())
+                (pose, passage.scan.points().into())
             }
         };
         if self.followed.is_some() {

@@ -88,6 +88,11 @@ impl LoopCloser {
         }
     }
 
+    /// Frees the searched fields; they are made again where they are needed.
+    pub fn forget_fields(&mut self) {
+        self.fields = VecDeque::new();
+    }
+
     /// Another one with nothing found yet. It takes the room of this one's searches over, which ends their fields.
     #[must_use]
     pub fn again(&mut self) -> Self {

@@ -7,7 +7,7 @@ use crate::front_end::Node;
 use crate::saved::{Reading, Saving};
 
 impl LoopCloser {
-    pub(crate) fn save(&self, to: &mut Saving) {
+    pub(crate) fn save(&self, to: &mut Saving<'_>) {
         to.count(self.stretches.len());
         for stretch in &self.stretches {
             to.count(stretch.first);

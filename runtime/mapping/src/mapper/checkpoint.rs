@@ -1,5 +1,7 @@
 //! A mapping that was interrupted goes on where it was, to the same bits.
 
+use std::io::{self, Write};
+
 use nalgebra::Matrix3;
 
 use super::whole::{MapConfig, Mapper};
@@ -10,7 +12,7 @@ use crate::refine::ScanView;
 use crate::saved::{Reading, Saving};
 
 /// The form of the bytes; another one is not read.
-const FORM: usize = 0x4647_4D41_5003;
+const FORM: usize = 0x4647_4D41_5004;
 
 /// A mapping that goes on.
 pub struct Resumed {
@@ -21,14 +23,16 @@ pub struct Resumed {
 }
 
 impl Mapper {
-    /// The mapping so far as bytes, after so many scans; `None` while loops are worked in, which takes some scans. `key` says of
-    /// which input it is: the same one must be given again.
-    #[must_use]
-    pub fn checkpoint(&self, scans: u64, key: u64) -> Option<Vec<u8>> {
+    /// Writes the mapping so far, after so many scans; false, and nothing is written, while loops are worked in, which takes some
+    /// scans. `key` says of which input it is: the same one must be given again.
+    ///
+    /// # Errors
+    /// Something could not be written.
+    pub fn checkpoint(&self, scans: u64, key: u64, to: &mut dyn Write) -> io::Result<bool> {
         if !self.is_settled() {
-            return None;
+            return Ok(false);
         }
-        let mut to = Saving::default();
+        let mut to = Saving::new(to);
         to.count(FORM);
         to.count(key as usize);
         to.count(scans as usize);
@@ -47,7 +51,7 @@ impl Mapper {
         self.loop_weights.iter().for_each(|weight| to.number(*weight));
         to.count(self.map_revision as usize);
         to.single(self.step_rad);
-        Some(to.finish())
+        to.finish().map(|()| true)
     }
 
     /// Goes on from a checkpoint; `None` if it is cut, damaged, of another input, or of another version. The settings must be

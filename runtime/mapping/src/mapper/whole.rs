@@ -173,7 +173,7 @@ impl Mapper {
         Graph { poses: self.poses.clone(), edges }
     }
 
-    /// The last stretch, and the alignment of all scans. Loops are then searched once more: a stretch that was bent while
+    /// The last stretch, and the alignment of all scans; nothing can be pushed from then on. Loops are then searched once more: a stretch that was bent while
     /// it was tracked, as when the robot turned fast on the spot, fits other stretches only once it is aligned.
     ///
     /// # Errors
@@ -182,6 +182,8 @@ impl Mapper {
         self.settle();
         self.closer.advance(&self.tracker.nodes, &self.poses, true);
         self.settle();
+        self.tracker.forget_maps();
+        self.closer.forget_fields();
         let edges = sequence_edges(&self.tracker.nodes);
         let config = self.config.align.clone();
         align(&self.views, &mut self.poses, &edges, (&config, &config.rounds))?;
@@ -193,24 +195,30 @@ impl Mapper {
 
     /// Searches loops between the aligned stretches; whether one of them moved the poses.
     fn search_again(&mut self) -> bool {
-        let mut nodes = self.tracker.nodes.clone();
-        for (node, pose) in nodes.iter_mut().zip(&self.poses) {
-            node.pose = *pose;
-        }
+        // The sequence counts as it is aligned.
+        let tracked: Vec<Se2> = self.tracker.nodes.iter().map(|node| node.pose).collect();
+        self.tracker.nodes.iter_mut().zip(&self.poses).for_each(|(node, pose)| node.pose = *pose);
         let mut closer = self.closer.again();
-        let mut found = closer.search_all((&nodes, &self.views), &self.poses, true);
+        let mut found = closer.search_all((&self.tracker.nodes, &self.views), &self.poses, true);
         self.closer.take_room(closer);
+        let edges = sequence_edges(&self.tracker.nodes);
+        self.tracker.nodes.iter_mut().zip(tracked).for_each(|(node, pose)| node.pose = pose);
         found.retain(|edge| {
             let is_known = self.loops.iter().any(|known| [known.from, known.to] == [edge.from, edge.to]);
             let error = edge.error(self.poses[edge.from], self.poses[edge.to]);
             !is_known && error.xy().norm() > REACH_OF_ALIGNMENT_M
         });
         let Some(_) = found.first() else { return false };
-        // The sequence counts as it is aligned.
         self.found = found;
-        self.begin(sequence_edges(&nodes));
+        self.begin(edges);
         self.settle();
         true
+    }
+
+    /// Moves the times of all scans, as where their stamps are early.
+    pub fn shift_times(&mut self, later_s: f64) {
+        self.tracker.nodes.iter_mut().for_each(|node| node.time_s += later_s);
+        self.tracker.passages.iter_mut().for_each(|passage| passage.time_s += later_s);
     }
 
     /// The trajectory of all scans by odometry between the kept ones, ordered by time.
@@ -236,7 +244,7 @@ impl Mapper {
             nodes.iter().zip(&self.poses).map(|(node, pose)| (node.time_s, *pose)).collect();
         for passage in &self.tracker.passages {
             let Some(guess) = interpolated(nodes, &self.poses, passage) else { continue };
-            let view = ScanView::new(&passage.points, self.step_rad);
+            let view = ScanView::new(&passage.scan.points(), self.step_rad);
             let to_each_side = self.config.locate.partners;
             let first = (passage.node + 1).saturating_sub(to_each_side);
             let last = (passage.node + 1 + to_each_side).min(nodes.len());

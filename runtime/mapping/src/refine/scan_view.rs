@@ -9,19 +9,15 @@ pub struct WallPoint {
     pub point: Point2,
     /// Across the wall towards the scanner, length 1; zero where no direction is observable.
     pub normal: Point2,
-    /// Bearing, radians.
-    pub bearing_rad: f32,
-    /// Distance from the scanner, metres.
-    pub range_m: f32,
 }
 
 /// A scan: its points, found by bearing.
 #[derive(Clone, Debug)]
 pub struct ScanView {
     /// By bearing, rising.
-    pub points: Vec<WallPoint>,
+    pub points: Box<[WallPoint]>,
     /// First point of each degree, from −180°.
-    first_of_degree: Vec<u32>,
+    first_of_degree: Box<[u16]>,
 }
 
 const DEGREES: usize = 360;
@@ -65,30 +61,25 @@ fn arc_sine_bound(sine: f32) -> f32 {
 }
 
 impl ScanView {
-    /// From the returns of a scan. `step_rad` is the angle between beams.
+    /// From the returns of a scan, of which no more than 65,535 are used. `step_rad` is the angle between beams.
     #[must_use]
     pub fn new(points: &[Point2], step_rad: f32) -> Self {
-        let mut sorted: Vec<WallPoint> = points
-            .iter()
-            .map(|&point| WallPoint {
-                point,
-                normal: Point2::default(),
-                bearing_rad: libm::atan2f(point.y_m, point.x_m),
-                range_m: point.norm(),
-            })
-            .collect();
-        sorted.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
-        for index in 0..sorted.len() {
-            sorted[index].normal = wall_normal(&sorted, index, step_rad);
-        }
-        let mut first_of_degree = vec![0_u32; DEGREES + 1];
-        for wall in &sorted {
-            first_of_degree[degree_of(wall.bearing_rad) + 1] += 1;
+        let bearing = |&point: &Point2| (libm::atan2f(point.y_m, point.x_m), point);
+        let mut sorted: Vec<(f32, Point2)> = points.iter().take(usize::from(u16::MAX)).map(bearing).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let wall = |index: usize| WallPoint {
+            point: sorted[index].1,
+            normal: wall_normal(&sorted, index, step_rad),
+        };
+        let points = (0..sorted.len()).map(wall).collect();
+        let mut first_of_degree = vec![0_u16; DEGREES + 1].into_boxed_slice();
+        for (bearing_rad, _) in &sorted {
+            first_of_degree[degree_of(*bearing_rad) + 1] += 1;
         }
         for degree in 0..DEGREES {
             first_of_degree[degree + 1] += first_of_degree[degree];
         }
-        Self { points: sorted, first_of_degree }
+        Self { points, first_of_degree }
     }
 
     /// The nearest point to a place in the scanner's frame, within a distance.
@@ -101,8 +92,8 @@ impl ScanView {
         let bearing = bearing_rad(place);
         let half_rad = arc_sine_bound(within_m / range) + BEARING_ERROR_RAD;
         let (low, high) = (degree_of(bearing - half_rad), degree_of(bearing + half_rad));
-        let first = self.first_of_degree[low] as usize;
-        let last = self.first_of_degree[high + 1] as usize;
+        let first = usize::from(self.first_of_degree[low]);
+        let last = usize::from(self.first_of_degree[high + 1]);
         let mut best = within_m * within_m;
         let mut found = None;
         for wall in &self.points[first..last] {
@@ -123,8 +114,8 @@ impl ScanView {
     #[inline]
     pub fn in_direction(&self, place: Point2, within_m: f32) -> Option<&WallPoint> {
         let degree = degree_of(bearing_rad(place));
-        let first = (self.first_of_degree[degree] as usize).saturating_sub(1);
-        let last = (self.first_of_degree[degree + 1] as usize + 1).min(self.points.len());
+        let first = usize::from(self.first_of_degree[degree]).saturating_sub(1);
+        let last = (usize::from(self.first_of_degree[degree + 1]) + 1).min(self.points.len());
         let mut best = within_m * within_m;
         let mut found = None;
         for wall in self.points.get(first..last)? {
@@ -143,22 +134,23 @@ impl ScanView {
     #[must_use]
     pub fn seen_range_m(&self, place: Point2) -> Option<f32> {
         let degree = degree_of(bearing_rad(place));
-        let first = self.first_of_degree[degree.saturating_sub(1)] as usize;
-        let last = self.first_of_degree[(degree + 2).min(DEGREES)] as usize;
-        self.points[first..last].iter().map(|wall| wall.range_m).min_by(f32::total_cmp)
+        let first = usize::from(self.first_of_degree[degree.saturating_sub(1)]);
+        let last = usize::from(self.first_of_degree[(degree + 2).min(DEGREES)]);
+        let square = |wall: &WallPoint| wall.point.x_m * wall.point.x_m + wall.point.y_m * wall.point.y_m;
+        self.points[first..last].iter().map(square).min_by(f32::total_cmp).map(f32::sqrt)
     }
 }
 
 /// Direction across the wall at a point, by the spread of its neighbours.
-fn wall_normal(points: &[WallPoint], index: usize, step_rad: f32) -> Point2 {
-    let here = points[index];
-    let limit = (NEIGHBOUR_GAPS * here.range_m * step_rad).max(NEIGHBOUR_M);
+fn wall_normal(points: &[(f32, Point2)], index: usize, step_rad: f32) -> Point2 {
+    let here = points[index].1;
+    let limit = (NEIGHBOUR_GAPS * here.norm() * step_rad).max(NEIGHBOUR_M);
     let low = index.saturating_sub(NEIGHBOURS);
     let high = (index + NEIGHBOURS + 1).min(points.len());
-    let near = points[low..high].iter().filter(|other| other.point.distance(here.point) <= limit);
+    let near = points[low..high].iter().map(|(_, other)| other).filter(|other| other.distance(here) <= limit);
     let (mut count, mut sum_x, mut sum_y, mut xx, mut xy, mut yy) = (0.0_f32, 0.0, 0.0, 0.0, 0.0, 0.0);
     for other in near {
-        let (x, y) = (other.point.x_m - here.point.x_m, other.point.y_m - here.point.y_m);
+        let (x, y) = (other.x_m - here.x_m, other.y_m - here.y_m);
         count += 1.0;
         sum_x += x;
         sum_y += y;
@@ -186,6 +178,6 @@ fn wall_normal(points: &[WallPoint], index: usize, step_rad: f32) -> Point2 {
     }
     // The face that was seen: the other side of a thin wall is another one.
     let (x, y) = (-along.y_m / length, along.x_m / length);
-    let away = x * here.point.x_m + y * here.point.y_m;
+    let away = x * here.x_m + y * here.y_m;
     if away > 0.0 { Point2::new(-x, -y) } else { Point2::new(x, y) }
 }

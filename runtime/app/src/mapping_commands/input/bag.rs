@@ -1,5 +1,5 @@
-//! Scans of a recording or bag: `LaserScan` with `Odometry` or the moving frame `odom` → base, and the mounting of the
-//! scanner.
+//! Scans of a recording or bag: `LaserScan` with `Odometry` or the moving frame `odom` → base, the turns of a gyroscope, and the
+//! mounting of the scanner.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -15,6 +15,8 @@ use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{Recorded, Recording};
 
 use super::drive::Sink;
+use super::odometry_topic::chosen_odometry;
+use super::turn_sum::TurnSum;
 use crate::recordings::{FrameTree, flat, is_base};
 
 /// What the first reading of bags finds.
@@ -26,6 +28,8 @@ pub struct BagSurvey {
     pub others: BTreeMap<String, String>,
     odometry: BTreeMap<String, OdometryTrack>,
     by_frames: OdometryTrack,
+    /// Frame and turns of each topic.
+    gyroscope: BTreeMap<String, (String, TurnSum)>,
     frames: FrameTree,
     /// Frame of the scans of each topic.
     scan_frames: BTreeMap<String, String>,
@@ -38,6 +42,8 @@ pub struct BagScans {
     pub topic: String,
     /// The robot over time; empty without odometry.
     pub odometry: OdometryTrack,
+    /// Its heading alone, by the gyroscope; empty where there is none, or where it is mounted is not known.
+    pub turned: OdometryTrack,
     /// The scanner on the robot.
     pub scanner_in_robot: Se2,
     /// The mounting was found.
@@ -67,7 +73,7 @@ impl BagSurvey {
     pub fn read(&mut self, path: &Path) -> anyhow::Result<()> {
         for message in open(path)?.map_while(Result::ok) {
             let kind = kind(&message.schema);
-            let is_wanted = matches!(kind, "LaserScan" | "Odometry" | "TFMessage");
+            let is_wanted = matches!(kind, "LaserScan" | "Odometry" | "TFMessage" | "Imu");
             if is_wanted && &*message.encoding != "cdr" {
                 return Err(BadInput(format!(
                     "{}: {} is serialised as {:?}; a ROS 2 bag has \"cdr\" (convert bags of ROS 1 first)",
@@ -96,6 +102,12 @@ impl BagSurvey {
                 let odometry = decode::odometry(&message.data)?;
                 let time_s = seconds(odometry.header.stamp.as_micros());
                 self.odometry.entry(topic).or_default().push(time_s, Se2::from(odometry.pose));
+            }
+            "Imu" => {
+                let imu = decode::imu(&message.data)?;
+                let (_, turns) =
+                    self.gyroscope.entry(topic).or_insert((imu.header.frame, TurnSum::default()));
+                turns.push(seconds(imu.header.stamp.as_micros()), imu.angular_radps);
             }
             "TFMessage" => {
                 for frame in decode::frames(&message.data)? {
@@ -131,12 +143,14 @@ impl BagSurvey {
             return Err(format!("no LaserScan{what}; it holds {}", listed.join(", ")));
         };
         let mounting = self.scan_frames.get(&topic).and_then(|frame| self.frames.mounting(frame));
-        let named = self.odometry.keys().find(|topic| topic.contains("odom")).cloned();
-        let first = named.or_else(|| self.odometry.keys().next().cloned());
-        let odometry = first.and_then(|topic| self.odometry.remove(&topic)).filter(|track| !track.is_empty());
+        let turned = self.gyroscope.pop_first().and_then(|(_, (frame, turns))| {
+            let [.., up_in_gyroscope] = self.frames.mounting(&frame)?.rotation;
+            Some(turns.headings(up_in_gyroscope))
+        });
         Ok(BagScans {
             topic,
-            odometry: odometry.unwrap_or(self.by_frames),
+            odometry: chosen_odometry(self.odometry).unwrap_or(self.by_frames),
+            turned: turned.unwrap_or_default(),
             scanner_in_robot: mounting.map_or_else(Se2::default, |mounting| Se2::from(flat(&mounting))),
             is_mounted: mounting.is_some(),
             is_inverted: mounting.is_some_and(|mounting| mounting.rotation[2][2] < 0.0),
@@ -216,7 +230,14 @@ mod tests {
         odometry.push(0.9, Se2::default());
         odometry.push(1.1, Se2::new(0.2, 0.0, 0.0));
         let scanner_in_robot = Se2::new(0.9, 0.0, 0.0);
-        BagScans { topic: "/scan".to_owned(), odometry, scanner_in_robot, is_mounted: true, is_inverted }
+        BagScans {
+            topic: "/scan".to_owned(),
+            odometry,
+            turned: OdometryTrack::default(),
+            scanner_in_robot,
+            is_mounted: true,
+            is_inverted,
+        }
     }
 
     /// The stamp is that of the first beam; a scan is seen from its middle one, with the motion there.

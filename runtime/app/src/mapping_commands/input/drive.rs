@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::{beginning, must_be_a_file};
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::input::ScanRecord;
+use floorguard_mapping_host::input::{OdometryTrack, ScanRecord};
 
 use super::bag::{BagScans, BagSurvey};
 use super::carmen;
@@ -160,6 +160,13 @@ impl Drive {
             .into());
         }
         Ok(())
+    }
+
+    /// The robot's heading over time by something with stamps of its own: the gyroscope, or else the odometry of a bag. The odometry
+    /// of a log has the stamps of the scans.
+    pub fn headings(&self) -> Option<&OdometryTrack> {
+        let bag = self.bag.as_ref().filter(|_| self.options.with_odometry)?;
+        [&bag.turned, &bag.odometry].into_iter().find(|track| !track.is_empty())
     }
 
     fn is_wanted(&self, time_s: f64) -> bool {

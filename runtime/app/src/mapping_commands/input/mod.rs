@@ -6,10 +6,12 @@ mod bag;
 mod carmen;
 mod cloud_sweep;
 mod drive;
+mod odometry_topic;
 mod sieve;
 mod space_bag;
 mod space_drive;
 mod sweeps;
+mod turn_sum;
 
 pub use drive::{Drive, InputOptions, ReadSummary};
 pub use sieve::SieveCounters;

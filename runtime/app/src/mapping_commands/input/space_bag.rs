@@ -14,6 +14,7 @@ use nalgebra::Vector3;
 
 use super::aids::{AidsFound, GyroscopeSample};
 use super::cloud_sweep::sweep_of_cloud;
+use super::odometry_topic::chosen_odometry;
 use super::sweeps::{Cutter, HOUR_US, SweepSink, SweepsRead, begins};
 use crate::recordings::{FrameTree, flat, is_base};
 use floorguard_mapping_host::input::OdometryTrack;
@@ -178,12 +179,9 @@ impl SpaceSurvey {
                 ));
             }
         };
-        let named = self.odometry.keys().find(|topic| topic.contains("odom")).cloned();
-        let first = named.or_else(|| self.odometry.keys().next().cloned());
-        let odometry = first.and_then(|topic| self.odometry.remove(&topic)).filter(|track| !track.is_empty());
         let (gyroscope_frame, gyroscope) =
             self.gyroscope.pop_first().map(|(_, found)| found).unwrap_or_default();
-        let odometry = odometry.unwrap_or(self.by_frames);
+        let odometry = chosen_odometry(self.odometry).unwrap_or(self.by_frames);
         let aids = AidsFound { odometry, gyroscope, frames: self.frames, gyroscope_frame };
         Ok(Surveyed { source, sweeps, frame, aids })
     }

@@ -24,6 +24,7 @@ use crate::recordings::arguments::ReplayArguments;
 use crate::recordings::frame_tree::{FrameTree, flat};
 use floorguard_host::outcome::BadInput;
 use floorguard_recording::decode::{self, LaserScan};
+use floorguard_recording::truth::is_truth;
 use floorguard_recording::{ReadError, Recorded, Recording};
 
 /// A lidar is at least this high, metres.
@@ -120,7 +121,7 @@ impl Player<'_> {
         let read = match kind {
             "PointCloud2" if wanted => self.cloud(message)?,
             "LaserScan" if wanted => self.scan(message)?,
-            "Odometry" => self.motion(message),
+            "Odometry" if !is_truth(&message.topic) => self.motion(message),
             "TFMessage" => self.frames(message),
             "Imu" => self.turn(message),
             _ => Some(()),
