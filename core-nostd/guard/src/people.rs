@@ -64,7 +64,7 @@ impl Supervisor {
         let mut meeting = Meeting::NOBODY;
         for person in &advice.people {
             if person.is_finite() {
-                meeting.add(person, (&self.body, twist), self.state.stopper.id());
+                meeting.add(person, (&self.body, twist), self.stopper.id());
             } else {
                 self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
             }
@@ -77,7 +77,7 @@ impl Supervisor {
         self.judge_people((meeting.nearest_m, meeting.soonest_s, speed_mps), age_us, now);
         let stops = meeting.soonest_s[0] < self.config.drive.clear_of_people_s(speed_mps);
         let stopper = stops.then_some(meeting.soonest_id);
-        if self.state.stopper.follow((stopper, meeting.stopper_parts), advice.stamp, now) {
+        if self.stopper.follow((stopper, meeting.stopper_parts), advice.stamp, now) {
             self.state.machine.release(Cause::CollisionStop);
         }
     }

@@ -5,7 +5,7 @@ use super::machine::DecisionMachine;
 use super::motion_checks::MotionChecks;
 use super::rules::STOP_QUIET_US;
 use super::source_monitor::SourceMonitor;
-use crate::protection::{Blocked, GuardConfig, Motion, Source, Stopper};
+use crate::protection::{Blocked, GuardConfig, Motion, Source};
 use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::{Age, Stamp};
@@ -33,7 +33,6 @@ pub struct State {
     pub(super) silent_cdeg: u32,
     pub(super) blocked_forward: Option<Stamp>,
     pub(super) blocked_backward: Option<Stamp>,
-    pub(super) stopper: Stopper,
 }
 
 impl State {
@@ -55,7 +54,6 @@ impl State {
         silent_cdeg: 0,
         blocked_forward: None,
         blocked_backward: None,
-        stopper: Stopper::NOBODY,
     };
 
     /// Nothing but the robot is known.
@@ -74,7 +72,6 @@ impl State {
         (self.scans_with_hit, self.packet_returns) = (other.scans_with_hit, other.packet_returns);
         (self.silent_cdeg, self.rear_scans_with_hit) = (other.silent_cdeg, other.rear_scans_with_hit);
         (self.blocked_forward, self.blocked_backward) = (other.blocked_forward, other.blocked_backward);
-        self.stopper = other.stopper;
     }
 
     /// Remembers in which directions evidence lies.

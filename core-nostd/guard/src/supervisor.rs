@@ -9,7 +9,7 @@ use crate::protection::ResetReport;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
     Integrity, LidarRays, LocalMemory, PacketTable, RearScanner, ScanTable, SeenBeside, Source, SourceReport,
-    Unit, fastest_mps,
+    Stopper, Unit, fastest_mps,
 };
 use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;
@@ -30,6 +30,7 @@ pub struct Supervisor {
     pub(super) rays: LidarRays,
     pub(super) memory: LocalMemory,
     pub(super) seen: SeenBeside,
+    pub(super) stopper: Stopper,
     pub(super) contents: ContentWatch,
     pub(super) integrity: Integrity,
     pub(super) state: State,
@@ -48,6 +49,7 @@ impl Supervisor {
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
         seen: SeenBeside::NOTHING,
+        stopper: Stopper::NOBODY,
         contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
@@ -78,7 +80,7 @@ impl Supervisor {
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
-        (self.contents, self.seen) = (ContentWatch::NONE, SeenBeside::NOTHING);
+        (self.contents, self.seen, self.stopper) = (ContentWatch::NONE, SeenBeside::NOTHING, Stopper::NOBODY);
         let tables = ((&self.scan_table, &self.rear[..]), &self.packet_table, &self.rays);
         self.integrity.remember(&config, self.body, tables);
         self.state = State::new(&config, now);

@@ -73,6 +73,27 @@ fn fg_req_086_repeated_lists_end_no_stop() {
     }
 }
 
+#[test]
+fn fg_req_086_flipped_bit_ends_no_stop() {
+    let now = Stamp::from_micros(5_000_000);
+    let begun = || {
+        let mut stopper = Stopper::NOBODY;
+        stopper.follow((Some(7), false), Stamp::from_micros(4_000_000), now);
+        assert!(!stopper.follow((None, true), Stamp::from_micros(4_100_000), now));
+        stopper
+    };
+    for bit in 0..32 {
+        let mut stopper = begun();
+        stopper.id ^= 1 << bit;
+        assert_eq!(stopper.id(), None);
+        assert!(!stopper.follow((None, true), Stamp::from_micros(4_200_000), now));
+    }
+    let mut lists = begun();
+    lists.parting_lists = 2;
+    assert!(!lists.follow((None, true), Stamp::from_micros(4_200_000), now));
+    assert!(begun().follow((None, true), Stamp::from_micros(4_200_000), now), "whole, it ends it");
+}
+
 /// What limits a robot that drives straight on with 0.8 m/s, m/s.
 fn limit_mps(person: AdvisedPerson) -> f32 {
     let mut rig = Rig::cruising();

@@ -75,6 +75,11 @@ impl HeldCauses {
         indices(self.bits).filter_map(|index| self.slots.get(index))
     }
 
+    /// Lets one go.
+    pub fn release(&mut self, cause: Cause) {
+        self.bits &= !1_u64.wrapping_shl(truncating_u32(cause.index()));
+    }
+
     /// Lets go those that are not to be kept.
     pub fn retain(&mut self, mut keep: impl FnMut(&HeldCause) -> bool) {
         for index in indices(self.bits) {

@@ -167,9 +167,8 @@ fields! {
     }
     State {
         monitors, machine, selection, motion, checks, wanted, wanted_fastest_mps, permitted, decided_at, started, scans_with_hit,
-        rear_scans_with_hit, packet_returns, silent_cdeg, blocked_forward, blocked_backward, stopper,
+        rear_scans_with_hit, packet_returns, silent_cdeg, blocked_forward, blocked_backward,
     }
-    Stopper { id, is_known, parting_lists, newest }
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }
     DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m, wheel_lever_m }
     Thresholds {
