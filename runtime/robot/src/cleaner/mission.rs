@@ -39,9 +39,10 @@ use crate::site::{Localiser, RecentPoses, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
-/// Held by the guard for this long, the robot takes a detour, seconds. Sooner it costs more than it gains: most people are gone by then, and
-/// a detour is turned slowly.
-const PATIENCE_S: f32 = 6.0;
+/// Held by the guard for this long, the robot takes a detour, seconds. For people it costs more than it gains before: most are gone by
+/// then, and a detour is turned slowly. What merely stands there stays.
+const PATIENCE_S: f32 = 2.0;
+const PATIENCE_WITH_PEOPLE_S: f32 = 6.0;
 /// Speed in an area where the robot goes slowly, m/s.
 const SLOW_MPS: f32 = 0.2;
 /// Progress is made known this often, seconds.
@@ -147,8 +148,8 @@ pub struct Cleaner {
     pub(super) began: Option<Stamp>,
     /// Cells that are to be cleaned, as of the last plan.
     pub(super) wanted: Vec<bool>,
-    /// Cells at a place where the brush was already.
-    pub(super) passed: Vec<bool>,
+    /// How many passes each cell has had at its place, or beside it.
+    pub(super) passes: Vec<u8>,
     pub(super) target: Option<usize>,
     pub(super) postponed: Vec<(usize, f32)>,
     pub(super) leavings: u8,
@@ -216,7 +217,7 @@ impl Cleaner {
             dirt: None,
             began: None,
             wanted: vec![false; raster.cell_count()],
-            passed: vec![false; raster.cell_count()],
+            passes: vec![0; raster.cell_count()],
             target: None,
             postponed: Vec::new(),
             leavings: 0,
@@ -289,7 +290,8 @@ impl Cleaner {
             self.replan(pose, now_s);
         }
         self.retreat(pose, now_s);
-        if self.held_s > PATIENCE_S {
+        let is_for_people = self.held_by == Some(Cause::CollisionStop) || self.is_someone_near(now_s);
+        if self.held_s > if is_for_people { PATIENCE_WITH_PEOPLE_S } else { PATIENCE_S } {
             self.held_s = 0.0;
             self.go_round(pose, now_s);
         }

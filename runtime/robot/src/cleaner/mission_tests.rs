@@ -100,3 +100,25 @@ fn robot_held_by_standing_person_retreats() {
         "{requested:?}"
     );
 }
+
+/// What stands there stays, and most people go on: they are waited for longer.
+#[test]
+fn people_are_waited_for_longer_than_objects() {
+    let detours_after = |held_s: f32, cause: Cause, person_x_m: Option<f32>| {
+        let (_, mut cleaner) = begun();
+        let at = |x_m: f32| AdvisedPerson { position: Point2::new(x_m, 0.9), ..AdvisedPerson::default() };
+        cleaner.near.people = person_x_m
+            .map(|x_m| AdvisedPerson { velocity_mps: Point2::new(0.6, 0.0), ..at(x_m) })
+            .into_iter()
+            .collect();
+        cleaner.near.seen_s = 0.0;
+        (cleaner.held_s, cleaner.held_by) = (held_s, Some(cause));
+        cleaner.decide(0.1);
+        cleaner.detours
+    };
+    assert_eq!(detours_after(3.0, Cause::LidarProtective, None), 1);
+    assert_eq!(detours_after(3.0, Cause::LidarProtective, Some(6.0)), 1, "far away");
+    assert_eq!(detours_after(3.0, Cause::LidarProtective, Some(1.5)), 0, "it may be them");
+    assert_eq!(detours_after(3.0, Cause::CollisionStop, None), 0);
+    assert_eq!(detours_after(7.0, Cause::CollisionStop, None), 1);
+}

@@ -65,13 +65,14 @@ struct BestPass {
 }
 
 impl Cleaner {
-    /// Cells that are to be cleaned now: those that no pass has been over before, if there are any.
+    /// Cells that are to be cleaned now: of those that can be visited the ones with the fewest passes. What a pass has left is done on
+    /// another round: at once it would cost a turn, among the same people, and where the pose is in doubt a second pass from there
+    /// proves no more than the first.
     fn open_cells(&self) -> Vec<OpenCell> {
         let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
         let open = || (0..self.wanted.len()).filter(|cell| self.wanted[*cell] && !is_postponed(cell));
-        let is_fresh = open().any(|cell| !self.passed[cell]);
-        // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
-        let now = open().filter(|cell| !(is_fresh && self.passed[*cell]));
+        let least = open().map(|cell| self.passes[cell]).min();
+        let now = open().filter(|cell| Some(self.passes[*cell]) == least);
         now.map(|cell| (cell, self.ground.raster().centre(cell))).collect()
     }
 
@@ -175,9 +176,11 @@ mod tests {
         let (passed, fresh) = (Point2::new(1.2, 0.05), Point2::new(3.5, 0.05));
         let mut cleaner = with_dirt_at(&[passed, fresh]);
         let cell = cleaner.ground.raster().cell_at(passed).unwrap();
-        cleaner.passed[cell] = true;
+        cleaner.passes[cell] = 1;
         assert!(found(&mut cleaner).unwrap().distance(fresh) < 0.1);
         let fresh_cell = cleaner.ground.raster().cell_at(fresh).unwrap();
+        (cleaner.passes[cell], cleaner.passes[fresh_cell]) = (2, 1);
+        assert!(found(&mut cleaner).unwrap().distance(fresh) < 0.1, "round by round");
         cleaner.postponed.push((fresh_cell, 5.0));
         assert!(found(&mut cleaner).unwrap().distance(passed) < 0.1);
         cleaner.postponed.push((cell, 5.0));

@@ -80,6 +80,14 @@ impl Cleaner {
         self.near.people.iter().map(in_robot).collect()
     }
 
+    /// Somebody who is known at this moment may be what holds the robot.
+    pub(super) fn is_someone_near(&self, now_s: f32) -> bool {
+        let is_near = |person: &AdvisedPerson| {
+            !person.is_finite() || self.near.body.distance_m(person.position) < NEAR_M
+        };
+        now_s - self.near.seen_s <= FRESH_S && self.people_in_robot().iter().any(is_near)
+    }
+
     /// Retreats, if a person who stands near holds the robot and a straight path leads away.
     pub(super) fn retreat(&mut self, pose: Pose2, now_s: f32) {
         let is_known = now_s - self.near.seen_s <= FRESH_S;

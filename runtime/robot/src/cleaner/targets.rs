@@ -42,7 +42,7 @@ impl Cleaner {
         self.lanes.finish();
         if let Some(target) = self.target.take() {
             let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
-            around.into_iter().for_each(|cell| self.passed[cell] = true);
+            around.into_iter().for_each(|cell| self.passes[cell] = self.passes[cell].saturating_add(1));
             self.tours.finish(target);
         }
     }
@@ -146,7 +146,7 @@ impl Cleaner {
             let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
             let open = || self.tours.tour().filter(|cell| !is_postponed(cell));
             // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
-            let fresh = open().find(|cell| !self.passed[*cell]);
+            let fresh = open().find(|cell| self.passes[*cell] == 0);
             let Some(cell) = fresh.or_else(|| open().next()) else { break };
             if self.plan_to(cell, pose, now_s) {
                 self.leavings = 0;
