@@ -2,50 +2,12 @@
 
 use super::field_selection::STANDING_MPS;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, AdvisedPerson, Body, Cause, CauseRecord, Unit};
+use crate::protection::{Advice, Cause, CauseRecord, Meeting, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
 /// People reached later than this do not matter yet (book, Guard: Collision), seconds.
 const COLLISION_HORIZON_S: f32 = 3.0;
-
-/// What a list of people comes to for a motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Meeting {
-    /// Distance of the nearest one that does not leave, metres.
-    nearest_m: f32,
-    /// Times to the one that is reached first, as estimated and with the doubt of the velocity, seconds.
-    soonest_s: [f32; 2],
-    /// Who that is, as estimated.
-    soonest_id: u32,
-    /// The person who stopped the robot is in the list, and parts from it.
-    stopper_parts: bool,
-}
-
-impl Meeting {
-    const NOBODY: Self =
-        Self { nearest_m: f32::INFINITY, soonest_s: [f32::INFINITY; 2], soonest_id: 0, stopper_parts: false };
-
-    /// One more person; `stopper`: who stopped the robot last.
-    fn add(&mut self, person: &AdvisedPerson, (body, twist): (&Body, Twist2), stopper: Option<u32>) {
-        let is_stopper = stopper == Some(person.id);
-        if !body.leaves_surely(person, twist) {
-            self.nearest_m = self.nearest_m.min(body.distance_m(person.position));
-        }
-        // Who is left behind does not hold the robot (FG-REQ-034).
-        if body.recedes_from(person, twist) {
-            self.stopper_parts |= is_stopper;
-            return;
-        }
-        let [estimated_s, doubtful_s] = body.times_to_person_s(person, twist);
-        self.stopper_parts |= is_stopper && doubtful_s == f32::INFINITY;
-        let [soonest_s, least_s] = &mut self.soonest_s;
-        if estimated_s < *soonest_s {
-            (*soonest_s, self.soonest_id) = (estimated_s, person.id);
-        }
-        *least_s = least_s.min(doubtful_s);
-    }
-}
 
 impl Supervisor {
     /// People, and what perception asks for. A non-finite number is a fault of perception, not a licence.
@@ -61,7 +23,7 @@ impl Supervisor {
                 .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
         }
         let twist = self.likely_motion();
-        let mut meeting = Meeting::NOBODY;
+        let mut meeting = Meeting::EMPTY;
         for person in &advice.people {
             if person.is_finite() {
                 meeting.add(person, (&self.body, twist), self.stopper.id());

@@ -49,7 +49,7 @@ impl Supervisor {
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
         seen: SeenBeside::NOTHING,
-        stopper: Stopper::NOBODY,
+        stopper: Stopper::NONE,
         contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
@@ -80,7 +80,7 @@ impl Supervisor {
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
-        (self.contents, self.seen, self.stopper) = (ContentWatch::NONE, SeenBeside::NOTHING, Stopper::NOBODY);
+        (self.contents, self.seen, self.stopper) = (ContentWatch::NONE, SeenBeside::NOTHING, Stopper::NONE);
         let tables = ((&self.scan_table, &self.rear[..]), &self.packet_table, &self.rays);
         self.integrity.remember(&config, self.body, tables);
         self.state = State::new(&config, now);

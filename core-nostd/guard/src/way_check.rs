@@ -108,21 +108,21 @@ impl Supervisor {
         if self.memory.is_incomplete(now) {
             self.state.machine.raise(CauseRecord::new(Cause::WayClosed, now));
         }
-        let [ahead, path, braking] = ways.map(|way| way.map(|way| Found::from(&way)));
-        let nearest =
-            [ahead, path].into_iter().flatten().reduce(|a, b| if b.share < a.share { b } else { a });
-        if let Some(found) = braking.filter(|found| found.free_m < found.needed_m - USED_SHARE * STANDOFF_M) {
+        let [ahead, path, braking] = ways;
+        if let Some(way) = braking.filter(|way| way.free_m < way.needed_m - USED_SHARE * STANDOFF_M) {
             let record = CauseRecord::new(Cause::WayClosed, now);
-            self.state.machine.raise(record.metres(found.free_m, found.needed_m));
+            self.state.machine.raise(record.metres(way.free_m, way.needed_m));
         }
+        let shares = [ahead, path].into_iter().flatten().map(|way| (way.share(), way));
+        let nearest = shares.reduce(|a, b| if b.0 < a.0 { b } else { a });
         let wanted_mps = effective_speed_mps(wanted, &self.config.drive);
-        if let Some(found) = nearest.filter(|found| found.share < 1.0 && wanted_mps > 0.0) {
-            let allowed_mps = found.share * wanted_mps;
+        if let Some((share, way)) = nearest.filter(|(share, _)| *share < 1.0 && wanted_mps > 0.0) {
+            let allowed_mps = share * wanted_mps;
             let cause = if allowed_mps < CREEP_MPS { Cause::WayClosed } else { Cause::WayNarrow };
             // Limits hold for the fastest point of the body.
             let fastest_mps = fastest_mps(&self.config.footprint, wanted);
-            let record = CauseRecord::new(cause, now).limited_to(found.share * fastest_mps.max(wanted_mps));
-            self.state.machine.raise(record.metres(found.free_m, found.needed_m));
+            let record = CauseRecord::new(cause, now).limited_to(share * fastest_mps.max(wanted_mps));
+            self.state.machine.raise(record.metres(way.free_m, way.needed_m));
         }
     }
 
@@ -153,19 +153,5 @@ impl Supervisor {
         let turn_share = drive.turn_radps / wanted.angular_radps.abs().max(1.0e-6);
         let share = speed_share.min(turn_share).min(1.0);
         Twist2 { linear_mps: wanted.linear_mps * share, angular_radps: wanted.angular_radps * share }
-    }
-}
-
-/// What the way of a motion allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Found {
-    free_m: f32,
-    needed_m: f32,
-    share: f32,
-}
-
-impl From<&Way<'_>> for Found {
-    fn from(way: &Way<'_>) -> Self {
-        Self { free_m: way.free_m, needed_m: way.needed_m, share: way.share() }
     }
 }

@@ -111,7 +111,7 @@ fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
     let code_lines = |path: &PathBuf| {
         let text = fs::read_to_string(path).expect("readable");
         // A test module declared in one line has its code in `tests`; any other ends the file.
-        let text = ["extern crate std;", "mod drive_tests;", "mod tests;"]
+        let text = ["extern crate std;", "mod drive_tests;", "mod people_tests;", "mod tests;"]
             .iter()
             .fold(text, |text, declared| text.replace(&format!("#[cfg(test)]\n{declared}"), ""));
         let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();

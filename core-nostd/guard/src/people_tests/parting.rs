@@ -54,7 +54,7 @@ fn fg_req_086_seen_parting_ends_the_stop() {
 fn fg_req_086_repeated_lists_end_no_stop() {
     let (now, old) = (Stamp::from_micros(5_000_000), Stamp::from_micros(4_900_000));
     let held = || {
-        let mut stopper = Stopper::NOBODY;
+        let mut stopper = Stopper::NONE;
         assert!(!stopper.follow((Some(7), false), Stamp::from_micros(4_000_000), now));
         assert_eq!(stopper.id(), Some(7));
         stopper
@@ -77,7 +77,7 @@ fn fg_req_086_repeated_lists_end_no_stop() {
 fn fg_req_086_flipped_bit_ends_no_stop() {
     let now = Stamp::from_micros(5_000_000);
     let begun = || {
-        let mut stopper = Stopper::NOBODY;
+        let mut stopper = Stopper::NONE;
         stopper.follow((Some(7), false), Stamp::from_micros(4_000_000), now);
         assert!(!stopper.follow((None, true), Stamp::from_micros(4_100_000), now));
         stopper
@@ -102,7 +102,7 @@ fn limit_mps(person: AdvisedPerson) -> f32 {
 }
 
 #[test]
-fn fg_req_031_nobody_left_behind_limits_the_speed() {
+fn fg_req_031_people_left_behind_limit_no_speed() {
     assert!(limit_mps(person(1, (-1.1, 0.0), (0.0, 0.0))) > 0.5, "behind");
     assert!(limit_mps(person(1, (0.2, 1.2), (0.0, 0.6))) > 0.5, "walks off to the side");
     assert!(limit_mps(person(1, (-0.8, 0.0), (0.8, 0.0))) <= 0.3, "close behind, and as fast");

@@ -17,6 +17,7 @@ mod kinematics;
 mod lidar_evidence;
 mod lidar_rays;
 mod local_memory;
+mod meeting;
 mod memory_obstacles;
 mod memory_row;
 mod memory_window;
@@ -59,6 +60,7 @@ pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
 pub use local_memory::{Cell, LocalMemory};
+pub use meeting::Meeting;
 pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;

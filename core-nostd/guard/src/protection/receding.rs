@@ -23,16 +23,6 @@ impl Body {
     /// touches nobody who is not beyond its leading edge. The trailing edge of a turning robot swings aside: all of the
     /// disc must be behind it, near to straight behind, the nearer the more the robot turns. More doubt never turns this
     /// from `false` to `true`.
-    ///
-    /// ```
-    /// use floorguard_guard::{AdvisedPerson, Body};
-    /// use floorguard_types::geometry::{Point2, Twist2};
-    ///
-    /// let body = Body { x_m: [-0.5, 1.0], y_m: [-0.4, 0.4] };
-    /// let behind = AdvisedPerson { position: Point2::new(-0.7, 0.1), ..AdvisedPerson::default() };
-    /// assert!(body.recedes_from(&behind, Twist2 { linear_mps: 0.3, angular_radps: 0.0 }));
-    /// assert!(!body.recedes_from(&behind, Twist2 { linear_mps: -0.3, angular_radps: 0.0 }));
-    /// ```
     #[must_use]
     pub fn recedes_from(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
         let speed_mps = twist.linear_mps.abs();

@@ -21,7 +21,7 @@ pub struct Stopper {
 
 impl Stopper {
     /// Nobody has stopped the robot.
-    pub const NOBODY: Self =
+    pub const NONE: Self =
         Self { id: 0, is_known: false, parting_lists: 0, newest: Stamp::ZERO, sum: u32::MAX };
 
     fn new((id, is_known): (u32, bool), parting_lists: u8, newest: Stamp) -> Self {
