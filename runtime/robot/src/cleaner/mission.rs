@@ -49,8 +49,7 @@ const SLOW_MPS: f32 = 0.2;
 const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
 const SAVE_S: f32 = 0.5;
-/// Doubt of the saved pose, metres and radians: the robot drove on with up to 0.7 m/s after it was saved, and came to a stand without a
-/// computer.
+/// Doubt of the saved pose, metres and radians: the robot drove on since, and came to a stand without a computer.
 const ROLLED_ON: PoseDeviation = PoseDeviation { position_m: 0.6, heading_rad: 0.15 };
 /// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
