@@ -113,11 +113,9 @@ impl Supervisor {
         let limit_mps = verdict.limit_mps.min(self.config.drive.speed_mps);
         // While stopped, the direction still tells which field the robot would need: a crawl in that direction.
         let limit_mps = limit_mps.max(self.config.thresholds.escape_speed_mps);
-        let share = (limit_mps / self.state.wanted.linear_mps.abs().max(1.0e-3)).min(1.0);
-        Twist2 {
-            linear_mps: self.state.wanted.linear_mps * share,
-            angular_radps: self.state.wanted.angular_radps * share,
-        }
+        let wanted = self.state.wanted;
+        let share = (limit_mps / wanted.linear_mps.abs().max(1.0e-3)).min(1.0);
+        Twist2 { linear_mps: wanted.linear_mps * share, angular_radps: wanted.angular_radps * share }
     }
 
     /// The permitted command, and what stands behind it. The causes limit the fastest point of the body (FG-REQ-056),

@@ -24,6 +24,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod advice_check;
 mod decide;
 #[cfg(test)]
 mod drive_tests;
@@ -32,7 +33,7 @@ mod limiter;
 mod machine;
 mod motion_checks;
 mod packet_check;
-mod people;
+pub mod people;
 #[cfg(test)]
 mod people_tests;
 pub mod protection;

@@ -97,7 +97,7 @@ impl DecisionMachine {
 
     /// What raised a cause was seen to be gone: it ends now, and not after the time without evidence.
     pub(super) fn release(&mut self, cause: Cause) {
-        self.held.retain(|held| held.first.cause != cause);
+        self.held.release(cause);
     }
 
     /// A cause holds.

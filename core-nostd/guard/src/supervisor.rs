@@ -5,11 +5,12 @@ use super::packet_check::BLIND_RUN_CDEG;
 use super::rules::Clear;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
+use crate::people::StopTriggers;
 use crate::protection::ResetReport;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
     Integrity, LidarRays, LocalMemory, PacketTable, RearScanner, ScanTable, SeenBeside, Source, SourceReport,
-    Stopper, Unit, fastest_mps,
+    Unit, fastest_mps,
 };
 use floorguard_types::capacities::REAR_SCANNERS_MAX;
 use floorguard_types::geometry::Twist2;
@@ -30,7 +31,7 @@ pub struct Supervisor {
     pub(super) rays: LidarRays,
     pub(super) memory: LocalMemory,
     pub(super) seen: SeenBeside,
-    pub(super) stopper: Stopper,
+    pub(super) triggers: StopTriggers,
     pub(super) contents: ContentWatch,
     pub(super) integrity: Integrity,
     pub(super) state: State,
@@ -49,7 +50,7 @@ impl Supervisor {
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
         seen: SeenBeside::NOTHING,
-        stopper: Stopper::NONE,
+        triggers: StopTriggers::NONE,
         contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
@@ -80,7 +81,8 @@ impl Supervisor {
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
-        (self.contents, self.seen, self.stopper) = (ContentWatch::NONE, SeenBeside::NOTHING, Stopper::NONE);
+        (self.contents, self.seen, self.triggers) =
+            (ContentWatch::NONE, SeenBeside::NOTHING, StopTriggers::NONE);
         let tables = ((&self.scan_table, &self.rear[..]), &self.packet_table, &self.rays);
         self.integrity.remember(&config, self.body, tables);
         self.state = State::new(&config, now);

@@ -102,7 +102,7 @@ fn missing_tests_code_and_identifiers_are_found() {
     );
 }
 
-/// Files of the crate that decides, without its tests and without `protection`, on which it stands: path and code lines.
+/// Files of the crate that decides, without its tests and without `protection` and `people`, on which it stands: path and code lines.
 fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
     let mut files = Vec::new();
     rust_files(&root().join("core-nostd/guard/src"), &mut files);

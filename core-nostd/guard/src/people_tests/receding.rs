@@ -1,4 +1,4 @@
-//! People whom the robot leaves behind, or who stand beside it, against the whole guard.
+//! FG-REQ-034 against the whole guard: people behind a robot that drives away, and beside one that drives straight.
 
 use crate::tests::fixtures::{Rig, config};
 use crate::*;

@@ -17,7 +17,6 @@ mod kinematics;
 mod lidar_evidence;
 mod lidar_rays;
 mod local_memory;
-mod meeting;
 mod memory_obstacles;
 mod memory_row;
 mod memory_window;
@@ -37,7 +36,6 @@ mod scan_evidence;
 mod scan_table;
 mod source;
 mod standstill;
-mod stopper;
 mod sweep;
 mod swept_outline;
 mod unseen_limits;
@@ -60,7 +58,6 @@ pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
 pub use local_memory::{Cell, LocalMemory};
-pub use meeting::Meeting;
 pub use memory_obstacles::Sight;
 #[cfg(test)]
 pub(crate) use memory_row::Row;
@@ -75,7 +72,6 @@ pub use reset::{ResetRefusal, ResetReport};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
 pub use standstill::{CREEP_M, Creep};
-pub use stopper::Stopper;
 pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };

@@ -23,6 +23,16 @@ impl Body {
     /// touches nobody who is not beyond its leading edge. The trailing edge of a turning robot swings aside: all of the
     /// disc must be behind it, near to straight behind, the nearer the more the robot turns. More doubt never turns this
     /// from `false` to `true`.
+    ///
+    /// ```
+    /// use floorguard_guard::{AdvisedPerson, Body};
+    /// use floorguard_types::geometry::{Point2, Twist2};
+    ///
+    /// let body = Body { x_m: [-0.5, 1.0], y_m: [-0.4, 0.4] };
+    /// let behind = AdvisedPerson { position: Point2::new(-0.7, 0.1), ..AdvisedPerson::default() };
+    /// assert!(body.recedes_from(&behind, Twist2 { linear_mps: 0.3, angular_radps: 0.0 }));
+    /// assert!(!body.recedes_from(&behind, Twist2 { linear_mps: -0.3, angular_radps: 0.0 }));
+    /// ```
     #[must_use]
     pub fn recedes_from(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
         let speed_mps = twist.linear_mps.abs();
@@ -47,11 +57,11 @@ impl Body {
             && aside_m * swings_mps <= TURNING_SHARE * leaves_mps * (behind_m - doubt_m)
     }
 
-    /// A person near the body is no reason to go slowly (FG-REQ-031): the robot drives straight, and all of the disc is beyond its
-    /// trailing edge, or the gap grows, also if the person comes one standard deviation of the velocity faster. What turns brings
-    /// its corners to where no gap grows for long.
+    /// A person near the body does not limit the speed (FG-REQ-031): the robot drives straight, and all of the disc is beyond its
+    /// trailing edge, or the separation grows, also with the person one standard deviation of the velocity faster. For a body that
+    /// turns nobody is exempt: its corners come nearer again.
     #[must_use]
-    pub fn leaves_surely(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+    pub fn is_exempt_from_near_limit(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
         let offset = self.offset(person.position);
         let disc_m = PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m.max(0.0);
         let leaves = twist.linear_mps.abs() >= LEAVING_MPS && twist.angular_radps.abs() <= STRAIGHT_RADPS;

@@ -16,7 +16,7 @@ const PEOPLE_MAX: usize = 6;
 const REACH_M: f32 = 6.0;
 /// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
 const DEVIATION_MAX_M: f32 = 0.15;
-/// How long a stop for a person holds the robot: until two lists show that the person parts, or a second after the last evidence, and what
+/// How long a stop for a person holds the robot: until two lists show that the person diverges, or a second after the last evidence, and what
 /// the guard sees of it late, seconds.
 const HELD_S: f32 = 1.0;
 /// From this speed on the guard judges people by what the robot does; below by a slow start of what it requests, m/s.
@@ -96,7 +96,8 @@ impl PermittedMotion for GuardModel {
                 position_sigma_m,
                 ..AdvisedPerson::default()
             };
-            if gap_m < self.thresholds.person_near_m && !self.body.leaves_surely(&advised, twist) {
+            if gap_m < self.thresholds.person_near_m && !self.body.is_exempt_from_near_limit(&advised, twist)
+            {
                 permission.share = permission.share.min(near_share);
             }
             let relative = Point2::new(velocity_mps.x_m - twist.linear_mps, velocity_mps.y_m);

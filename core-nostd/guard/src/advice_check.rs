@@ -1,8 +1,9 @@
-//! People, and what else perception asks for: it can only tighten, and a stop for a person ends when that person is seen to part.
+//! People, and what else perception asks for. Advice only tightens; a stop for people ends when they are seen to diverge.
 
 use super::field_selection::STANDING_MPS;
 use super::supervisor::Supervisor;
-use crate::protection::{Advice, Cause, CauseRecord, Meeting, Unit};
+use crate::people::Meeting;
+use crate::protection::{Advice, Cause, CauseRecord, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
@@ -18,28 +19,26 @@ impl Supervisor {
         }
         if let Some(limit_mps) = advice.speed_limit_mps {
             let limit_mps = if limit_mps.is_finite() { limit_mps.max(0.0) } else { 0.0 };
-            self.state
-                .machine
-                .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
+            let record = CauseRecord::new(Cause::AdviceLimit, now).aged(age_us);
+            self.state.machine.raise(record.limited_to(limit_mps));
+        }
+        if !self.state.machine.holds(Cause::CollisionStop) {
+            self.triggers.forget();
         }
         let twist = self.likely_motion();
-        let mut meeting = Meeting::EMPTY;
+        let speed_mps = twist.linear_mps.abs();
+        let stop_s = self.config.drive.clear_of_people_s(speed_mps);
+        let mut meeting = Meeting::new(twist, stop_s);
         for person in &advice.people {
             if person.is_finite() {
-                meeting.add(person, (&self.body, twist), self.stopper.id());
+                meeting.add(person, &self.body, &mut self.triggers);
             } else {
                 self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
             }
         }
-        // A robot that stands and is to stand reaches nobody whom it does not touch; the next list judges what it is asked for then.
-        if twist == Twist2::ZERO && meeting.soonest_s[0] > 0.0 {
-            meeting.soonest_s[0] = f32::INFINITY;
-        }
-        let speed_mps = twist.linear_mps.abs();
         self.judge_people((meeting.nearest_m, meeting.soonest_s, speed_mps), age_us, now);
-        let stops = meeting.soonest_s[0] < self.config.drive.clear_of_people_s(speed_mps);
-        let stopper = stops.then_some(meeting.soonest_id);
-        if self.stopper.follow((stopper, meeting.stopper_parts), advice.stamp, now) {
+        let reaches = meeting.soonest_s[0] < stop_s;
+        if self.triggers.follow((reaches, meeting.diverging), advice.stamp, now) {
             self.state.machine.release(Cause::CollisionStop);
         }
     }
@@ -76,8 +75,7 @@ impl Supervisor {
             return measured;
         }
         let wanted = self.state.wanted;
-        let share = self.config.thresholds.person_speed_mps / wanted.linear_mps.abs().max(1.0e-3);
-        let share = share.min(1.0);
+        let share = (self.config.thresholds.person_speed_mps / wanted.linear_mps.abs().max(1.0e-3)).min(1.0);
         Twist2 { linear_mps: wanted.linear_mps * share, angular_radps: wanted.angular_radps * share }
     }
 }
