@@ -39,10 +39,6 @@ use crate::site::{Localiser, RecentPoses, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
-/// Held by the guard for this long, the robot takes a detour, seconds. For people it costs more than it gains before: most are gone by
-/// then, and a detour is turned slowly. What merely stands there stays.
-const PATIENCE_S: f32 = 2.0;
-const PATIENCE_WITH_PEOPLE_S: f32 = 6.0;
 /// Speed in an area where the robot goes slowly, m/s.
 const SLOW_MPS: f32 = 0.2;
 /// Progress is made known this often, seconds.
@@ -290,8 +286,7 @@ impl Cleaner {
             self.replan(pose, now_s);
         }
         self.retreat(pose, now_s);
-        let is_for_people = self.held_by == Some(Cause::CollisionStop) || self.is_someone_near(now_s);
-        if self.held_s > if is_for_people { PATIENCE_WITH_PEOPLE_S } else { PATIENCE_S } {
+        if self.held_s > self.patience_s(now_s) {
             self.held_s = 0.0;
             self.go_round(pose, now_s);
         }

@@ -119,6 +119,7 @@ fn people_are_waited_for_longer_than_objects() {
     assert_eq!(detours_after(3.0, Cause::LidarProtective, None), 1);
     assert_eq!(detours_after(3.0, Cause::LidarProtective, Some(6.0)), 1, "far away");
     assert_eq!(detours_after(3.0, Cause::LidarProtective, Some(1.5)), 0, "it may be them");
+    assert_eq!(detours_after(3.0, Cause::WayClosed, Some(1.5)), 1, "what the guard remembers is nobody");
     assert_eq!(detours_after(3.0, Cause::CollisionStop, None), 0);
     assert_eq!(detours_after(7.0, Cause::CollisionStop, None), 1);
 }

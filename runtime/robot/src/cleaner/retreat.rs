@@ -1,9 +1,10 @@
-//! Retreat from a person who stands too near: a short straight path, backwards or ahead, whichever the guard permits.
+//! How long people are waited for, and the retreat from a person who stands too near: a short straight path, backwards or
+//! ahead, whichever the guard permits.
 //!
 //! The guard judges the requested velocity: while a person stands where a turn or an arc would lead, it holds the robot
 //! as long as that turn is requested. A request that leads away is permitted, and from there every path is open again.
 
-use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits};
+use floorguard_guard::{AdvisedPerson, Body as GuardBody, Cause, DriveLimits};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{Gear, Waypoint};
@@ -14,6 +15,10 @@ use super::track::Track;
 
 /// Held for this long by somebody who stands there, the robot leaves, seconds. Most people who stop before a robot go on before.
 const AFTER_S: f32 = 5.0;
+/// Held by the guard for so long, the robot takes a detour, seconds. For people a detour costs more than it gains before: most of them are
+/// gone by then, and it is turned slowly. What merely stands there stays.
+const PATIENCE_S: f32 = 2.0;
+const PATIENCE_WITH_PEOPLE_S: f32 = 6.0;
 /// Older than this, what is known of people says nothing of who stands there now, seconds.
 const FRESH_S: f32 = 0.5;
 /// Who walks faster than this is gone in a moment, m/s.
@@ -80,8 +85,19 @@ impl Cleaner {
         self.near.people.iter().map(in_robot).collect()
     }
 
-    /// Somebody who is known at this moment may be what holds the robot.
-    pub(super) fn is_someone_near(&self, now_s: f32) -> bool {
+    /// Held by the guard for so long the robot takes a detour, seconds.
+    pub(super) fn patience_s(&self, now_s: f32) -> f32 {
+        let is_for_people = match self.held_by {
+            Some(Cause::CollisionStop) => true,
+            // The guard remembers it: nobody who walks on takes it along.
+            Some(Cause::WayClosed) => false,
+            _ => self.is_someone_near(now_s),
+        };
+        if is_for_people { PATIENCE_WITH_PEOPLE_S } else { PATIENCE_S }
+    }
+
+    /// A person who is known at this moment may be what holds the robot.
+    fn is_someone_near(&self, now_s: f32) -> bool {
         let is_near = |person: &AdvisedPerson| {
             !person.is_finite() || self.near.body.distance_m(person.position) < NEAR_M
         };

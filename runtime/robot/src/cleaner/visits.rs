@@ -71,18 +71,29 @@ impl Cleaner {
         let alone = Spot { target, cells: vec![target], needed: 1, run_up_m: 0.05 };
         let mut paths =
             [all, most, alone].into_iter().filter_map(|spot| self.path_before(cell, (pose, now_s), &spot));
-        let Some(mut path) = paths.next() else { return false };
+        let Some(path) = paths.next() else { return false };
         drop(paths);
+        self.begin_pass(path, (cell, &dirty), (pose, now_s));
+        true
+    }
+
+    /// Drives a path, and from its end straight on over a cell and the dirt before it.
+    pub(super) fn begin_pass(
+        &mut self,
+        mut path: Vec<Waypoint>,
+        (cell, dirty): (usize, &[Point2]),
+        (pose, now_s): (Pose2, f32),
+    ) {
         if let Some(last) = path.last().copied() {
             let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-            let past_m = self.pass_m(last.pose_in_map, (target, &dirty), &around);
+            let target = self.ground.raster().centre(cell);
+            let past_m = self.pass_m(last.pose_in_map, (target, dirty), &around);
             let end = last.pose_in_map.compose(Pose2::new(past_m, 0.0, 0.0));
             path.push(Waypoint { pose_in_map: end, gear: Gear::Ahead });
         }
         self.track = Track::new(path);
         self.near.is_leaving = false;
         self.target = Some(cell);
-        true
     }
 
     /// Middles of the cells around a place that are to be cleaned.
