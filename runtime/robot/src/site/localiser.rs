@@ -7,6 +7,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
 
 use super::floor::Floor;
+use super::uncredited::UncreditedFloor;
 
 /// Particles of the hosted profile.
 pub const PARTICLES: usize = 500;
@@ -34,12 +35,15 @@ const POINTED_AT: PoseDeviation = PoseDeviation { position_m: 0.5, heading_rad: 
 /// Doubt of a belief that goes on from one that was trusted, and the least of one that was not.
 const GO_ON: PoseDeviation = PoseDeviation { position_m: GO_ON_M, heading_rad: 0.052 };
 const GO_ON_M: f32 = 0.05;
+/// So far beside the brush of the mean pose the brush may be, metres: the recovery particles and their doubt.
+const BRUSH_DOUBT_M: f32 = 0.3;
 /// Doubt that is added when something is wrong.
 const DOUBT: PoseDeviation = PoseDeviation { position_m: 0.12, heading_rad: 0.1 };
 
 /// The belief of a mission.
 pub struct Localiser {
     belief: Belief<Vec<ActiveCell<PARTICLES>>, PARTICLES>,
+    uncredited: UncreditedFloor,
     /// The belief about dirt.
     pub map: DirtMap<Vec<DirtCell>>,
     odometry_at_update: Pose2,
@@ -82,6 +86,7 @@ impl Localiser {
         belief.place(floor.start, PoseDeviation { position_m: 0.05, heading_rad: 0.052 });
         Self {
             belief,
+            uncredited: UncreditedFloor::new(map.values().len()),
             map,
             odometry_at_update: Pose2::default(),
             mean_at_update: floor.start,
@@ -127,13 +132,18 @@ impl Localiser {
     pub fn update(&mut self, floor: &Floor, odometry: Pose2, scan: &[Point2], uses_dirt_sensor: bool) {
         let step = OdometryStep::between(self.odometry_at_update, odometry);
         let is_heard = !self.is_silent_since_update;
+        let predicted = self.pose(odometry);
+        // While nothing is credited the particles remove nothing, and hits would only confuse them.
+        let is_credited =
+            self.is_trusted && !self.uncredited.is_around(self.map.geometry(), self.brush(predicted));
         let evidence = Evidence {
             hits_in_base: if is_heard { scan } else { &[] },
-            // While nothing is credited the particles remove nothing, and hits would only confuse them.
-            dirt_hits: (uses_dirt_sensor && is_heard && self.is_trusted).then_some(self.hits_since_update),
+            dirt_hits: (uses_dirt_sensor && is_heard && is_credited).then_some(self.hits_since_update),
             brush_is_cleaning: self.is_trusted && self.brush_turns,
         };
-        let predicted = self.pose(odometry);
+        if !self.is_trusted && self.brush_turns {
+            self.uncredited.add_around(self.map.geometry(), self.brush(predicted));
+        }
         let begin = std::time::Instant::now();
         let report = self.belief.update(step, &evidence, (&floor.surfaces, &mut self.map));
         self.busy_s += begin.elapsed().as_secs_f64();
@@ -146,6 +156,20 @@ impl Localiser {
         self.mean_at_update = self.belief.pose().mean_in_map;
     }
 
+    /// Middle of the brush at a pose, and how far around it the brush may be, metres.
+    fn brush(&self, pose_in_map: Pose2) -> (Point2, f32) {
+        let brush = self.belief.config().brush;
+        let middle = pose_in_map.transform(Point2::new(brush.offset_m, 0.0));
+        (middle, 0.5 * brush.width_m + BRUSH_DOUBT_M)
+    }
+
+    /// Gives up what the present cells were credited with, and adds doubt of the pose.
+    fn distrust(&mut self, doubt: PoseDeviation) {
+        let uncredited = &mut self.uncredited;
+        self.belief.visit_active(|cell, _, _| uncredited.add(cell));
+        self.belief.distrust(&mut self.map, doubt);
+    }
+
     /// A pose that does not explain the scan is not believed, and neither is what was cleaned from it.
     fn judge_health(&mut self, explained_share: Option<f32>, step: OdometryStep) {
         let Some(share) = explained_share else { return };
@@ -154,11 +178,11 @@ impl Localiser {
         let turned_rad = (step.first_turn_rad + step.second_turn_rad).abs();
         let stands = step.forward_m.abs() < STANDS.0 && turned_rad < STANDS.1 && !self.is_trusted;
         if stands && share < TRUSTED_FROM {
-            self.belief.distrust(&mut self.map, ROUGHENING);
+            self.distrust(ROUGHENING);
         } else if share < SUSPECT_BELOW {
             self.distrusts += u32::from(self.is_trusted);
             self.is_trusted = false;
-            self.belief.distrust(&mut self.map, DOUBT);
+            self.distrust(DOUBT);
         } else if !self.is_trusted {
             self.is_trusted = share >= TRUSTED_FROM && self.belief.pose().position_deviation_m < TOGETHER_M;
         }
@@ -169,7 +193,7 @@ impl Localiser {
     fn judge_leap(&mut self, predicted: Pose2) {
         let mean = self.belief.pose().mean_in_map;
         if self.is_trusted && libm::hypotf(mean.x_m - predicted.x_m, mean.y_m - predicted.y_m) > LEAP_M {
-            self.belief.distrust(&mut self.map, PoseDeviation::default());
+            self.distrust(PoseDeviation::default());
             self.leaps += 1;
         }
     }
@@ -190,8 +214,9 @@ impl Localiser {
 
     /// Power came back: the stored cells and the stored pose are what is left.
     pub fn restore(&mut self, (cells, pose_in_map): (&[(u32, DirtCell)], Pose2), odometry: Pose2) {
-        self.belief.distrust(&mut self.map, PoseDeviation::default());
+        self.distrust(PoseDeviation::default());
         self.map.values_mut().fill(DirtCell::CLEAN);
+        self.uncredited.clear();
         for &(cell, dirt) in cells {
             if let Some(place) = self.map.get_mut(cell as usize) {
                 *place = dirt;
@@ -222,7 +247,7 @@ impl Localiser {
 
     /// The same, with another doubt: for a robot that was moving.
     pub fn restart_within(&mut self, odometry: Pose2, doubt: PoseDeviation) {
-        self.belief.distrust(&mut self.map, PoseDeviation::default());
+        self.distrust(PoseDeviation::default());
         self.belief.place(self.mean_at_update, doubt);
         self.odometry_at_update = odometry;
         self.hits_since_update = 0;
@@ -274,3 +299,7 @@ impl Localiser {
         self.belief.settle(&mut self.map);
     }
 }
+
+#[cfg(test)]
+#[path = "localiser_tests.rs"]
+mod tests;

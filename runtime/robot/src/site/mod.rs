@@ -9,6 +9,7 @@ pub mod rooms;
 pub mod ros_map;
 mod scan_ends;
 pub mod scrubber;
+mod uncredited;
 
 pub use dirt_source::{DirtSource, read_places};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
