@@ -86,7 +86,7 @@ impl Supervisor {
         self.memory.mark_ends();
         self.memory.forget_inside(&self.config.footprint, (pose, self.body));
         let wanted = self.possible(self.state.wanted);
-        let measured = self.state.motion.wheels;
+        let measured = self.state.motion.wheels_until_standstill(&self.config);
         let moves = effective_speed_mps(measured, &self.config.drive) > STANDING_MPS;
         // The steering goes from the one curve to the other.
         let between = Twist2 {

@@ -1,7 +1,7 @@
 //! How the robot moves, by each sensor that measures it.
 
 use super::config::GuardConfig;
-use super::sweep::fastest_mps;
+use super::sweep::{NEARER_M, fastest_mps};
 use floorguard_types::geometry::{Point2, Twist2};
 
 /// Motion as each sensor tells it.
@@ -42,6 +42,18 @@ impl Motion {
         let angular_radps = wheel_mps * sin / config.drive.wheelbase_m;
         self.drive = Twist2 { linear_mps: wheel_mps * cos, angular_radps };
         self.drive_fastest_mps = fastest_mps(&config.footprint, self.drive);
+    }
+
+    /// Motion by the encoders, for the way until the robot stands. A turn that brings no point of the body farther aside than 5 mm by then
+    /// is none: at a crawl a tick of an encoder more on one side is a curve of some metres, and would lead into whatever stands beside
+    /// the body.
+    #[must_use]
+    pub fn wheels_until_standstill(&self, config: &GuardConfig) -> Twist2 {
+        let (twist, drive) = (self.wheels, &config.drive);
+        let stops_s = drive.response_s + self.wheels_fastest_mps / drive.braking_mps2.max(1.0e-3);
+        let turns_only = Twist2 { linear_mps: 0.0, ..twist };
+        let is_none = fastest_mps(&config.footprint, turns_only) * stops_s <= NEARER_M;
+        if is_none { Twist2 { angular_radps: 0.0, ..twist } } else { twist }
     }
 
     /// Speed of the fastest point of the body, by the source that measures more, m/s.

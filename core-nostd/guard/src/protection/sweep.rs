@@ -26,7 +26,7 @@ pub const MARGIN_M: f32 = 0.05;
 /// Brake wear Z_B as a share of the braking distance.
 pub const BRAKE_WEAR: f32 = 0.1;
 /// What already stands nearer than the margin must not come nearer by more than this, metres.
-const NEARER_M: f32 = 0.005;
+pub(super) const NEARER_M: f32 = 0.005;
 /// Slower than this at its fastest point the body stands, m/s.
 const STANDS_MPS: f32 = 1.0e-3;
 

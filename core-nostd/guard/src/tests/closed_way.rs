@@ -1,6 +1,6 @@
 //! What was seen near the body and is out of every sensor's sight holds the robot until a person has looked there.
 
-use super::fixtures::Rig;
+use super::fixtures::{Rig, forward};
 use crate::*;
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::sensing::SafetyInput;
@@ -109,6 +109,30 @@ fn fg_req_065_reset_of_an_open_way_keeps_it() {
     let mut cells = 0;
     rig.guard.memory.for_each(|_| cells += 1);
     assert!(cells >= 2, "{cells}");
+}
+
+/// One tick of an encoder more on one side, at a crawl: the robot backs away from what stands 5 cm beside it. What turns it in earnest
+/// holds.
+#[test]
+fn fg_req_027_noise_of_encoders_is_no_curve() {
+    let beside = |turns_radps: f32| {
+        let mut rig = Rig::new();
+        rig.wanted = Twist2::ZERO;
+        rig.run_ms(2_000);
+        let pose = rig.guard.memory.pose();
+        for x_m in [0.7, 0.75, 0.8] {
+            let place = pose.transform(Point2::new(x_m, 0.42));
+            rig.guard.memory.set_scanned(Cell::of(place), true);
+        }
+        rig.wanted = forward(-0.2);
+        let measured = Twist2 { linear_mps: -0.06, angular_radps: turns_radps };
+        rig.measured = measured;
+        rig.guard.on_wheels(measured, rig.now, rig.now);
+        holding(&rig.guard.tick(rig.now.plus_micros(10_000)))
+    };
+    assert_eq!(beside(0.0), beside(0.01));
+    assert_ne!(beside(0.01), Some(Cause::WayClosed));
+    assert_eq!(beside(0.1), Some(Cause::WayClosed));
 }
 
 #[test]
