@@ -5,6 +5,8 @@ use floorguard_perception::people::{Explanation, Track, TrackStatus};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
+use super::moved_along::moves_along;
+
 /// A confirmed track counts as a person from this probability on.
 pub const PERSON_PROBABILITY_MIN: f32 = 0.5;
 
@@ -14,8 +16,8 @@ pub const MOVING_PROBABILITY_MIN: f32 = 0.5;
 /// The advice of one sweep. Tracks beyond the capacity are the farthest ones; the guard's own sensors see those near.
 ///
 /// `learned` is what the robot has learned itself about a track: it can add a person to those that the shipped
-/// classifier and the motion tell of, and takes none away. An added person replaces no other one, even if that one is
-/// farther away.
+/// classifier and the motion tell of, and takes none away. So does what moves along with one of these (FG-REQ-087). An added person
+/// replaces no other one, even if that one is farther away.
 pub fn advice(
     stamp: Stamp,
     tracks: &[Track],
@@ -29,7 +31,13 @@ pub fn advice(
         insert_by_distance(&mut advice.people, advised(track, to_robot));
     }
     let is_learned = |track: &Track| learned(track).is_some_and(|known| known >= PERSON_PROBABILITY_MIN);
-    for track in confirmed().filter(|track| !is_reported(track) && is_learned(track)) {
+    let is_moved_along = |track: &Track| {
+        let people = || confirmed().filter(|person| is_reported(person));
+        people().any(|person| moves_along(track, person, stamp))
+    };
+    for track in
+        confirmed().filter(|track| !is_reported(track) && (is_learned(track) || is_moved_along(track)))
+    {
         if !advice.people.is_full() {
             insert_by_distance(&mut advice.people, advised(track, to_robot));
         }

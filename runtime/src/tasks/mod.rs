@@ -14,6 +14,9 @@ mod imu;
 mod inputs;
 mod lidar;
 mod mission;
+mod moved_along;
+#[cfg(test)]
+mod moved_along_tests;
 mod perception;
 mod route;
 mod scanner;
