@@ -1,13 +1,15 @@
 //! A few metres of the path with what was seen there.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use floorguard_mapping::GridGeometry;
-use floorguard_mapping::match_field::{FieldLevel, MatchField, coarsen};
+use floorguard_mapping::match_field::{FieldLevel, FieldPart, MatchField, coarsen};
 use floorguard_types::geometry::Point2;
 
 use super::config::LoopConfig;
 use crate::front_end::Node;
+use crate::refine::ScanView;
 use crate::se2::Se2;
 
 /// Consecutive scans, rigid among each other.
@@ -35,17 +37,18 @@ pub struct StretchField {
 }
 
 impl Stretch {
-    /// From the scans `first..end`.
+    /// From these scans.
     #[must_use]
-    pub fn new(nodes: &[Node], first: usize, end: usize, config: &LoopConfig) -> Self {
+    pub fn new((nodes, views): (&[Node], &[ScanView]), scans: Range<usize>, config: &LoopConfig) -> Self {
+        let Range { start: first, end } = scans;
         let thin_m = config.thin_m;
         let centre = first + (end - first) / 2;
         let origin = nodes[centre].pose;
         let mut taken = BTreeSet::new();
         let mut points = Vec::new();
-        for node in &nodes[first..end] {
+        for (node, view) in nodes[first..end].iter().zip(&views[first..end]) {
             let pose = origin.between(node.pose).single();
-            for point in &node.points {
+            for point in &view.returns() {
                 let point = pose.transform(*point);
                 let cell = ((point.x_m / thin_m).floor() as i32, (point.y_m / thin_m).floor() as i32);
                 if taken.insert(cell) {
@@ -55,6 +58,7 @@ impl Stretch {
         }
         let step = points.len().div_ceil(config.searched_points.max(1)).max(1);
         let searched = points.iter().step_by(step).copied().collect();
+        points.shrink_to_fit();
         Self { first, end, centre, points, searched }
     }
 
@@ -76,10 +80,11 @@ impl Stretch {
         for point in &self.points {
             field.insert(*point);
         }
-        let mut levels = vec![field.levels()[0].values.to_vec()];
+        let mut levels = vec![field.into_fine()];
         for shift in 0..LEVELS {
             let mut coarser = vec![0_u8; count];
-            coarsen(FieldLevel { geometry, values: &levels[usize::from(shift)], shift }, &mut coarser);
+            let part = FieldPart::whole(&geometry);
+            coarsen(FieldLevel { geometry, part, values: &levels[usize::from(shift)], shift }, &mut coarser);
             levels.push(coarser);
         }
         Some(StretchField { geometry, levels })
@@ -96,10 +101,11 @@ impl StretchField {
     /// The levels, fine first.
     #[must_use]
     pub fn levels(&self) -> Vec<FieldLevel<'_>> {
+        let (geometry, part) = (self.geometry, FieldPart::whole(&self.geometry));
         self.levels
             .iter()
             .enumerate()
-            .map(|(shift, values)| FieldLevel { geometry: self.geometry, values, shift: shift as u8 })
+            .map(|(shift, values)| FieldLevel { geometry, part, values, shift: shift as u8 })
             .collect()
     }
 }
