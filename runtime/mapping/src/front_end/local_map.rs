@@ -5,6 +5,7 @@ use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides};
 use floorguard_types::geometry::Point2;
 
 use super::config::FrontEndConfig;
+use crate::pages::Pages;
 use crate::se2::Se2;
 
 /// A field of returns around the place where it began. It could hold all that the scanner can see from there; of that, the part
@@ -19,15 +20,11 @@ pub struct LocalMap {
     /// Scans written.
     pub scans: usize,
     geometry: GridGeometry,
-    field: MatchField<Box<[u8]>>,
+    field: MatchField<Pages>,
 }
 
 /// What is stored begins and ends at multiples of this many cells: it is made again every few metres only.
 const STORED_CELLS: i32 = 64;
-
-fn storage(cells: usize) -> Box<[u8]> {
-    vec![0; cells].into_boxed_slice()
-}
 
 /// From the first to the last cell.
 fn part([first, last]: [GridCoordinates; 2]) -> FieldPart {
@@ -54,7 +51,8 @@ impl LocalMap {
         let geometry = GridGeometry::new(side, side, config.cell_m, Point2::new(-half, -half))?;
         let middle = GridCoordinates { column: i32::from(side / 2), row: i32::from(side / 2) };
         let part = part([middle, middle]);
-        let field = MatchField::within(geometry, part, [storage(1), storage(1)], config.descent.reach_m).ok();
+        let field =
+            MatchField::within(geometry, part, [Pages::new(1), Pages::new(1)], config.descent.reach_m).ok();
         Some(Self { origin, first_node, travelled_m: 0.0, scans: 0, geometry, field: field? })
     }
 
@@ -87,12 +85,12 @@ impl LocalMap {
         let low = GridCoordinates { column: begins(low.column), row: begins(low.row) };
         let high = GridCoordinates { column: ends(high.column, columns), row: ends(high.row, rows) };
         // The storage is always as large as it is asked for.
-        let _ = self.field.store(part([low, high]), storage);
+        let _ = self.field.store(part([low, high]), Pages::new);
     }
 
     /// The field.
     #[must_use]
-    pub const fn field(&self) -> &MatchField<Box<[u8]>> {
+    pub const fn field(&self) -> &MatchField<Pages> {
         &self.field
     }
 }
@@ -109,7 +107,8 @@ mod tests {
         let whole = FieldPart::whole(&map.geometry);
         let cells = whole.cell_count();
         let mut expected =
-            MatchField::new(map.geometry, [storage(cells), storage(cells)], config.descent.reach_m).unwrap();
+            MatchField::new(map.geometry, [Pages::new(cells), Pages::new(cells)], config.descent.reach_m)
+                .unwrap();
         let place = |k: i32, side: i32| 0.37 * ((k * side) % 113 - 30) as f32;
         for scan in 0..6 {
             let points: Vec<Point2> =

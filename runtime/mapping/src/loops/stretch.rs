@@ -9,6 +9,7 @@ use floorguard_types::geometry::Point2;
 
 use super::config::LoopConfig;
 use crate::front_end::Node;
+use crate::pages::Pages;
 use crate::refine::ScanView;
 use crate::se2::Se2;
 
@@ -33,7 +34,7 @@ const LEVELS: u8 = 6;
 /// The searched field of a stretch.
 pub struct StretchField {
     geometry: GridGeometry,
-    levels: Vec<Vec<u8>>,
+    levels: Vec<Pages>,
 }
 
 impl Stretch {
@@ -76,15 +77,18 @@ impl Stretch {
         let geometry = GridGeometry::new(cells(low_x, high_x), cells(low_y, high_y), config.cell_m, corner)?;
         let count = geometry.cell_count();
         let mut field =
-            MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
+            MatchField::new(geometry, [Pages::new(count), Pages::new(count)], config.reach_m).ok()?;
         for point in &self.points {
             field.insert(*point);
         }
         let mut levels = vec![field.into_fine()];
         for shift in 0..LEVELS {
-            let mut coarser = vec![0_u8; count];
+            let mut coarser = Pages::new(count);
             let part = FieldPart::whole(&geometry);
-            coarsen(FieldLevel { geometry, part, values: &levels[usize::from(shift)], shift }, &mut coarser);
+            coarsen(
+                FieldLevel { geometry, part, values: levels[usize::from(shift)].as_ref(), shift },
+                coarser.as_mut(),
+            );
             levels.push(coarser);
         }
         Some(StretchField { geometry, levels })
@@ -105,7 +109,7 @@ impl StretchField {
         self.levels
             .iter()
             .enumerate()
-            .map(|(shift, values)| FieldLevel { geometry, part, values, shift: shift as u8 })
+            .map(|(shift, values)| FieldLevel { geometry, part, values: values.as_ref(), shift: shift as u8 })
             .collect()
     }
 }
