@@ -206,7 +206,9 @@ impl Reader {
         self.history.duration_s = self.history.duration_s.max(at_s);
         let kind = message.schema.rsplit('/').next().unwrap_or_default();
         match (kind, &*message.topic) {
-            ("Odometry", _) if self.is_own(&message.topic) => self.motion(at_s, &decode::odometry(&message.data)?),
+            ("Odometry", _) if self.is_own(&message.topic) => {
+                self.motion(at_s, &decode::odometry(&message.data)?)
+            }
             ("PointCloud2", _) if self.scan.is_none() => {
                 self.on_cloud(at_s, &decode::cloud(&message.data)?)?
             }
