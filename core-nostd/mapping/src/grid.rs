@@ -94,6 +94,12 @@ impl GridGeometry {
         saturating_u16_of_u32(self.rows)
     }
 
+    /// Both sides, ≥ 1.
+    #[must_use]
+    pub const fn sides(&self) -> GridSides {
+        GridSides { columns: self.columns, rows: self.rows }
+    }
+
     /// Columns, ≥ 1.
     #[inline]
     #[must_use]

@@ -15,6 +15,7 @@ pub mod loops;
 pub mod mapper;
 pub mod metrics;
 pub mod output;
+mod pages;
 pub mod pose_graph;
 pub mod refine;
 mod saved;
@@ -22,5 +23,6 @@ mod se2;
 pub mod time_offset;
 mod turn;
 
+pub use pages::Pages;
 pub use se2::Se2;
 pub use turn::{turn_about, turn_angle_rad, turn_vector};

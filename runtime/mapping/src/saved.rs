@@ -71,11 +71,9 @@ impl<'a> Saving<'a> {
         }
     }
 
-    /// A number of their kind, and so many halves.
-    pub fn halves(&mut self, kind: usize, values: &[u16]) {
-        self.count(kind);
-        self.count(values.len());
-        values.iter().for_each(|value| self.put(&value.to_le_bytes()));
+    pub fn bytes(&mut self, bytes: &[u8]) {
+        self.count(bytes.len());
+        self.put(bytes);
     }
 
     /// Ends with the checksum.
@@ -116,8 +114,8 @@ impl<'a> Reading<'a> {
         self.take().map(f32::from_le_bytes)
     }
 
-    pub fn half(&mut self) -> Option<u16> {
-        self.take().map(u16::from_le_bytes)
+    pub fn byte(&mut self) -> Option<u8> {
+        self.take().map(u8::from_le_bytes)
     }
 
     /// Not wrapped again: the bits stay.

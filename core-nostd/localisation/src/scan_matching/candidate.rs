@@ -45,12 +45,10 @@ pub(super) fn sum_of_values(
     needed: i32,
 ) -> i32 {
     let moved = |offset: i16, by: i32| i32::from(offset).saturating_add(by);
-    let (width, height) = (level.geometry.columns(), level.geometry.rows());
-    let fits = |value: i32, side: usize| usize::try_from(value).is_ok_and(|value| value < side);
-    let is_inside = moved(points.low.column, column) >= 0
-        && moved(points.low.row, row) >= 0
-        && fits(moved(points.high.column, column), width)
-        && fits(moved(points.high.row, row), height);
+    // A whole block of cells is stored where two opposite corners are.
+    let is_stored =
+        |cell: CellOffset| level.part.index(moved(cell.column, column), moved(cell.row, row)).is_some();
+    let is_inside = is_stored(points.low) && is_stored(points.high);
     let mut sum = 0_i32;
     let mut left = points.cells.len();
     for cells in points.cells.chunks(CHUNK) {
@@ -73,8 +71,11 @@ pub(super) fn sum_of_values(
 /// The same where no point lies outside the field.
 #[inline]
 fn sum_inside(level: &FieldLevel<'_>, cells: &[CellOffset], [column, row]: [i32; 2]) -> u32 {
-    let width = i64::try_from(level.geometry.columns()).unwrap_or(0);
-    let first = i64::from(row).wrapping_mul(width).wrapping_add(i64::from(column));
+    let width = i64::try_from(level.part.columns()).unwrap_or(0);
+    let begins = level.part.first;
+    let below = i64::from(row).wrapping_sub(i64::from(begins.row));
+    let first =
+        below.wrapping_mul(width).wrapping_add(i64::from(column)).wrapping_sub(i64::from(begins.column));
     let mut sum = 0_u32;
     for cell in cells {
         let index = i64::from(cell.row).wrapping_mul(width).wrapping_add(i64::from(cell.column));

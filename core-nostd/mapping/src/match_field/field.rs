@@ -2,17 +2,23 @@
 
 use floorguard_types::geometry::Point2;
 
+use super::part::FieldPart;
 use super::stamp::Stamp;
 use super::view::FieldLevel;
-use crate::grid::{Grid, GridGeometry, GridTooSmall};
+use crate::grid::{GRID_SIDE_MAX, GridCoordinates, GridGeometry, GridSides, GridTooSmall};
 
 /// A field over storage `S`: a fine level and one that bounds 4 × 4 cells, both kept while returns come in.
 #[derive(Clone, Debug)]
 pub struct MatchField<S> {
-    fine: Grid<u8, S>,
-    coarse: Grid<u8, S>,
+    geometry: GridGeometry,
+    part: FieldPart,
+    fine: S,
+    coarse: S,
     reach_m: f32,
 }
+
+/// Of a field that stores nothing.
+const NO_SIDES: GridSides = GridSides { columns: 0, rows: 0 };
 
 /// Level of the coarse grid.
 const COARSE_SHIFT: u8 = 2;
@@ -23,33 +29,94 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
     /// # Errors
     /// A storage is smaller than the geometry.
     pub fn new(geometry: GridGeometry, storage: [S; 2], reach_m: f32) -> Result<Self, GridTooSmall> {
-        let [fine, coarse] = storage;
-        let mut field =
-            Self { fine: Grid::new(geometry, fine)?, coarse: Grid::new(geometry, coarse)?, reach_m };
+        Self::within(geometry, FieldPart::whole(&geometry), storage, reach_m)
+    }
+
+    /// The same, of which only a part is stored: returns write nothing beside it.
+    ///
+    /// # Errors
+    /// A storage is smaller than the part.
+    pub fn within(
+        geometry: GridGeometry,
+        part: FieldPart,
+        [fine, coarse]: [S; 2],
+        reach_m: f32,
+    ) -> Result<Self, GridTooSmall> {
+        let (needed, capacity) = (part.cell_count(), fine.as_ref().len().min(coarse.as_ref().len()));
+        if capacity < needed {
+            return Err(GridTooSmall { needed, capacity });
+        }
+        let mut field = Self { geometry, part, fine, coarse, reach_m };
         field.clear();
         Ok(field)
     }
 
+    /// What is stored of the field.
+    #[must_use]
+    pub const fn part(&self) -> FieldPart {
+        self.part
+    }
+
+    /// The first and the last cell that a return writes where they are stored; `None` for one that writes nothing.
+    #[must_use]
+    pub fn reached_by(&self, point: Point2) -> Option<[GridCoordinates; 2]> {
+        self.stamp().reached_cells(point)
+    }
+
+    /// Stores another part from now on, in storage of at least so many cells, which is asked for twice and holds 0. What lies beside
+    /// it is forgotten.
+    ///
+    /// # Errors
+    /// A storage is smaller than the part: then nothing is stored any more.
+    pub fn store(
+        &mut self,
+        part: FieldPart,
+        mut storage: impl FnMut(usize) -> S,
+    ) -> Result<(), GridTooSmall> {
+        let former = core::mem::replace(&mut self.part, FieldPart { sides: NO_SIDES, ..part });
+        let needed = part.cell_count();
+        // One after the other: the former values of one are let go before the next storage is asked for.
+        for values in [&mut self.fine, &mut self.coarse] {
+            let mut to = storage(needed);
+            let capacity = to.as_ref().len();
+            if capacity < needed {
+                return Err(GridTooSmall { needed, capacity });
+            }
+            copy_part((to.as_mut(), part), (values.as_ref(), former));
+            *values = to;
+        }
+        self.part = part;
+        Ok(())
+    }
+
+    /// The storage of the fine level.
+    #[must_use]
+    pub fn into_fine(self) -> S {
+        self.fine
+    }
+
+    const fn stamp(&self) -> Stamp {
+        Stamp { geometry: self.geometry, part: self.part, reach_m: self.reach_m, shift: COARSE_SHIFT }
+    }
+
     /// Writes a return, in the field's frame. Cost: (2 reach / edge)² cells, and somewhat more for the coarse level.
     pub fn insert(&mut self, point: Point2) {
-        let geometry = *self.fine.geometry();
-        let stamp = Stamp { geometry, reach_m: self.reach_m, shift: COARSE_SHIFT };
-        stamp.write(self.fine.values_mut(), self.coarse.values_mut(), point);
+        self.stamp().write(self.fine.as_mut(), self.coarse.as_mut(), point);
     }
 
     /// Forgets all returns.
     pub fn clear(&mut self) {
-        self.fine.values_mut().fill(0);
-        self.coarse.values_mut().fill(0);
+        self.fine.as_mut().fill(0);
+        self.coarse.as_mut().fill(0);
     }
 
     /// The levels, fine first.
     #[must_use]
     pub fn levels(&self) -> [FieldLevel<'_>; 2] {
-        let geometry = *self.fine.geometry();
+        let Self { geometry, part, .. } = *self;
         [
-            FieldLevel { geometry, values: self.fine.values(), shift: 0 },
-            FieldLevel { geometry, values: self.coarse.values(), shift: COARSE_SHIFT },
+            FieldLevel { geometry, part, values: self.fine.as_ref(), shift: 0 },
+            FieldLevel { geometry, part, values: self.coarse.as_ref(), shift: COARSE_SHIFT },
         ]
     }
 
@@ -57,6 +124,24 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
     #[must_use]
     pub const fn reach_m(&self) -> f32 {
         self.reach_m
+    }
+}
+
+/// Writes the values of one part into another part of the same raster.
+fn copy_part((to, part): (&mut [u8], FieldPart), (from, former): (&[u8], FieldPart)) {
+    let rows = i32::try_from(former.sides.rows).unwrap_or(i32::MAX);
+    let column = part.first.column.max(former.first.column);
+    let left = |part: &FieldPart| {
+        let before = usize::try_from(column.saturating_sub(part.first.column)).unwrap_or(0);
+        part.columns().saturating_sub(before)
+    };
+    let count = left(&part).min(left(&former));
+    for below in 0..rows.min(GRID_SIDE_MAX) {
+        let row = former.first.row.saturating_add(below);
+        let Some((first, start)) = part.index(column, row).zip(former.index(column, row)) else { continue };
+        let from = from.get(start..start.saturating_add(count)).unwrap_or_default();
+        let to = to.get_mut(first..first.saturating_add(count)).unwrap_or_default();
+        to.iter_mut().zip(from).for_each(|(value, other)| *value = *other);
     }
 }
 

@@ -3,13 +3,16 @@
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{nearest_f32, saturating_i32, saturating_u8};
 
-use crate::grid::GridGeometry;
+use super::part::FieldPart;
+use crate::grid::{GridCoordinates, GridGeometry};
 
 /// How a return is written.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stamp {
     /// Where the cells lie.
     pub(super) geometry: GridGeometry,
+    /// Which of them are stored.
+    pub(super) part: FieldPart,
     /// Distance at which the value has fallen to zero, metres.
     pub(super) reach_m: f32,
     /// Level of the coarse values, as in `FieldLevel`; at most [`SHIFT_MAX`].
@@ -66,6 +69,20 @@ impl Stamp {
         }
     }
 
+    /// The first and the last cell of the raster that a return writes in either level.
+    pub(super) fn reached_cells(&self, point: Point2) -> Option<[GridCoordinates; 2]> {
+        let reached = self.reached(point)?;
+        let lead = (1_i32 << self.shift.min(SHIFT_MAX)).saturating_sub(1);
+        let right = reached.left.saturating_add(i32::try_from(reached.count).unwrap_or(i32::MAX));
+        let (width, height) = (i32::from(self.geometry.width()), i32::from(self.geometry.height()));
+        let first = |low: i32| low.saturating_sub(lead).max(0);
+        let last = |high: i32, side: i32| high.min(side).saturating_sub(1);
+        Some([
+            GridCoordinates { column: first(reached.left), row: first(reached.low) },
+            GridCoordinates { column: last(right, width), row: last(reached.high.saturating_add(1), height) },
+        ])
+    }
+
     fn reached(&self, point: Point2) -> Option<Reached> {
         let cells_per_metre = self.geometry.cells_per_metre();
         let origin = self.geometry.origin_in_map();
@@ -81,14 +98,16 @@ impl Stamp {
         (reach > 0.0 && !is_beside).then_some(Reached { x, y, reach, left, low, high, count })
     }
 
-    /// Makes values at least as large as others; what lies beside the grid is left out.
+    /// Makes values at least as large as others; what lies beside what is stored is left out.
     fn raise(&self, values: &mut [u8], (left, row): (i32, i32), others: &[u8]) {
-        let width = i32::from(self.geometry.width());
-        let hidden = usize::try_from(left.min(0).unsigned_abs()).unwrap_or(usize::MAX);
-        let seen = usize::try_from(width.saturating_sub(left.max(0))).unwrap_or(0);
+        let begins = self.part.first.column;
+        let columns = i32::try_from(self.part.sides.columns).unwrap_or(i32::MAX);
+        let from = left.max(begins);
+        let hidden = usize::try_from(from.saturating_sub(left)).unwrap_or(usize::MAX);
+        let seen = usize::try_from(begins.saturating_add(columns).saturating_sub(from)).unwrap_or(0);
         let others = others.get(hidden..).unwrap_or_default();
         let others = others.get(..seen.min(others.len())).unwrap_or_default();
-        let Some(first) = self.geometry.index(left.max(0), row) else { return };
+        let Some(first) = self.part.index(from, row) else { return };
         let cells = values.get_mut(first..first.saturating_add(others.len())).unwrap_or_default();
         cells.iter_mut().zip(others).for_each(|(value, other)| *value = (*value).max(*other));
     }

@@ -1,8 +1,9 @@
 //! One level of a field, as the matcher reads it.
 
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::{nearest_f32, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_i32};
 
+use super::part::FieldPart;
 use crate::grid::GridGeometry;
 
 /// One level of a field. A value of 255 means a return at the centre of the cell, 0 none within the reach; between them
@@ -13,7 +14,9 @@ use crate::grid::GridGeometry;
 pub struct FieldLevel<'a> {
     /// Where the cells lie; the same for all levels of a field.
     pub geometry: GridGeometry,
-    /// The values, by index.
+    /// Which of them are stored; the others are 0.
+    pub part: FieldPart,
+    /// The values of the part, by index.
     pub values: &'a [u8],
     /// Binary logarithm of the cells along the side of the bounded square.
     pub shift: u8,
@@ -39,7 +42,7 @@ impl FieldLevel<'_> {
         if column <= below || row <= below {
             return 0;
         }
-        let index = self.geometry.index(column.max(0), row.max(0));
+        let index = self.part.index(column.max(0), row.max(0));
         index.and_then(|index| self.values.get(index)).copied().unwrap_or(0)
     }
 
@@ -50,7 +53,6 @@ impl FieldLevel<'_> {
         let scale = self.geometry.cells_per_metre();
         let origin = self.geometry.origin_in_map();
         let (x, y) = ((point.x_m - origin.x_m) * scale - 0.5, (point.y_m - origin.y_m) * scale - 0.5);
-        let width = usize::from(self.geometry.width());
         let inside = x >= 0.0
             && y >= 0.0
             && x < f32::from(self.geometry.width()) - 1.0
@@ -59,15 +61,8 @@ impl FieldLevel<'_> {
             return FieldSample::default();
         }
         // Both are positive here: truncation is floor.
-        let (column, row) = (saturating_usize(x), saturating_usize(y));
-        let first = row.saturating_mul(width).saturating_add(column);
-        let second = first.saturating_add(width);
-        let (Some(&[low_left, low_right]), Some(&[high_left, high_right])) = (
-            self.values.get(first..first.saturating_add(2)).and_then(<[u8]>::first_chunk::<2>),
-            self.values.get(second..second.saturating_add(2)).and_then(<[u8]>::first_chunk::<2>),
-        ) else {
-            return FieldSample::default();
-        };
+        let (column, row) = (saturating_i32(x), saturating_i32(y));
+        let [[low_left, low_right], [high_left, high_right]] = self.square(column, row);
         let (low_left, low_right) = (f32::from(low_left), f32::from(low_right));
         let (high_left, high_right) = (f32::from(high_left), f32::from(high_right));
         let (share_x, share_y) = (x - nearest_f32(column), y - nearest_f32(row));
@@ -80,5 +75,20 @@ impl FieldLevel<'_> {
             slope_x: (low + share_y * (high - low)) * scale,
             slope_y: (left + share_x * (right - left)) * scale,
         }
+    }
+
+    /// The values of a cell, of the one beside it and of both above them.
+    #[inline]
+    fn square(&self, column: i32, row: i32) -> [[u8; 2]; 2] {
+        let values = |first: usize| self.values.get(first..).and_then(<[u8]>::first_chunk::<2>).copied();
+        let last = self.part.index(column.saturating_add(1), row.saturating_add(1));
+        if let Some((first, last)) = self.part.index(column, row).zip(last)
+            && let Some((low, high)) = values(first).zip(values(last.saturating_sub(1)))
+        {
+            return [low, high];
+        }
+        // Across the rim of what is stored.
+        let at = |right: i32, up: i32| self.at(column.saturating_add(right), row.saturating_add(up));
+        [[at(0, 0), at(1, 0)], [at(0, 1), at(1, 1)]]
     }
 }

@@ -96,8 +96,8 @@ fn mapped(
 }
 
 fn grid_map(mapper: &Mapper, grid: &GridMapConfig) -> Result<GridMap, BadInput> {
-    let scans = mapper.tracker.nodes.iter().zip(&mapper.poses).map(|(node, pose)| (*pose, &*node.points));
-    build_grid_map(scans, grid).ok_or_else(|| BadInput("no return in any scan: nothing to map".to_owned()))
+    build_grid_map(mapper.scans(), grid)
+        .ok_or_else(|| BadInput("no return in any scan: nothing to map".to_owned()))
 }
 
 /// The poses of all scans; where the drive shows that their stamps are early or late, all times are corrected.

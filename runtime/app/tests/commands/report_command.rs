@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use floorguard_recording::{MotionRow, PointRow, Recorder};
+use floorguard_operator::report::read_history;
+use floorguard_recording::{MotionRow, PointRow, Recorder, Recording};
 use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::time::Stamp;
 use serde_json::Value;
@@ -62,6 +63,23 @@ fn report_page_lists_each_stop() {
     assert_eq!(output.status.code(), Some(3), "as replay: {output_text}");
     assert!(output_text.contains("is cut") && output_text.contains("report: "), "{output_text}");
     assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
+}
+
+/// A simulated run holds where the robot truly was, too, in another frame: a path through both would jump to and fro.
+#[test]
+fn path_is_that_of_the_wheels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("run.mcap");
+    let run = ["simulate", "--scenario", "supermarket", "--strategy", "route", "--duration", "8", "--json"];
+    let output = floorguard(&[run.as_slice(), &["--record", text(&recording)]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{output:?}");
+    let file = std::io::BufReader::new(std::fs::File::open(&recording).expect("the recording"));
+    let history = read_history(&mut Recording::new(file)).expect("messages");
+    let begin = history.path.first().expect("a path");
+    assert!(begin.x_m.hypot(begin.y_m) < 0.1, "the odometry begins at its origin: {begin:?}");
+    let step = |pair: &[Pose2]| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m);
+    let longest_m = history.path.windows(2).map(step).fold(0.0, f32::max);
+    assert!(history.driven_m > 0.5 && longest_m < 0.6, "{} m, {longest_m} m", history.driven_m);
 }
 
 /// What each sensor saw, which rule decided, what would have happened otherwise: as data, and as a page of its own.

@@ -15,7 +15,7 @@ pub struct Node {
     pub pose: Se2,
     /// Scanner in the frame of the odometry.
     pub odometry: Option<Se2>,
-    /// The returns, in the scanner's frame, in the order of the beams.
+    /// The returns, in the scanner's frame, in the order of the beams; none any more once who keeps the scan has taken them.
     pub points: Box<[Point2]>,
     /// Inverse covariance of the pose, in the scanner's frame, as matched against the local map.
     pub information: Matrix3<f32>,

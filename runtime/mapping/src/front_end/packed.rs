@@ -6,105 +6,147 @@ use crate::input::ScanRecord;
 use crate::saved::{Reading, Saving};
 use crate::se2::Se2;
 
-/// Ranges as they were, to the bit.
-#[derive(Clone, Debug, PartialEq)]
-enum Ranges {
+/// What the numbers of the ranges are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unit {
     /// Whole millimetres: `n / 1000`, as the text of a log gives them.
-    Thousandths(Box<[u16]>),
+    Thousandths,
     /// The same as `n × 0.001`, as our drivers give them.
-    TimesThousandth(Box<[u16]>),
-    /// Any others, metres.
-    Metres(Box<[f32]>),
+    TimesThousandth,
+    /// Any others: the bits of the metres, four bytes a beam.
+    Metres,
 }
 
-/// A scan whose believed returns come out again as they went in, to the bit.
+/// A scan whose believed returns come out again as they went in, to the bit. Along a wall a range differs little from the one
+/// before: most of them take a byte.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedScan {
-    first_angle_rad: f32,
-    step_rad: f32,
-    between_s: f32,
-    motion: Se2,
-    ranges: Ranges,
+    /// The unit, how the scan was measured, and its ranges.
+    bytes: Box<[u8]>,
 }
 
-/// Stands for a range that is not believed.
-const NOTHING: u16 = u16::MAX;
+/// A byte for a range that is not believed...
+const NOTHING: u8 = 254;
+/// ... and one before a range that is written out. All smaller ones are differences, from −127 on.
+const WHOLE: u8 = 255;
+const LEAST: i32 = -127;
 
-fn by_division(value: u16) -> f32 {
-    f32::from(value) / 1_000.0
-}
+impl Unit {
+    const ALL: [Self; 3] = [Self::Thousandths, Self::TimesThousandth, Self::Metres];
 
-fn by_product(value: u16) -> f32 {
-    f32::from(value) * 1.0e-3
-}
+    /// `None` if the range is lost by it.
+    fn number(self, range_m: f32) -> Option<u16> {
+        // Saturates.
+        let number = (range_m * 1_000.0).round() as u16;
+        (self.metres(number).to_bits() == range_m.to_bits()).then_some(number)
+    }
 
-/// `None` if a range is lost by it.
-fn packed(ranges_m: &[f32], metres: fn(u16) -> f32) -> Option<Box<[u16]>> {
-    let pack = |range_m: &f32| {
-        // Saturates; what is not finite was left out before.
-        let value = (range_m * 1_000.0).round() as u16;
-        let is_kept = value != NOTHING && metres(value).to_bits() == range_m.to_bits();
-        if range_m.is_infinite() { Some(NOTHING) } else { is_kept.then_some(value) }
-    };
-    ranges_m.iter().map(pack).collect()
-}
+    fn metres(self, number: u16) -> f32 {
+        match self {
+            Self::TimesThousandth => f32::from(number) * 1.0e-3,
+            _ => f32::from(number) / 1_000.0,
+        }
+    }
 
-fn unpacked(values: &[u16], metres: fn(u16) -> f32) -> Vec<f32> {
-    values.iter().map(|value| if *value == NOTHING { f32::INFINITY } else { metres(*value) }).collect()
+    /// `None` if a range is lost by it.
+    fn packed(self, ranges_m: impl Iterator<Item = Option<f32>>, to: &mut Vec<u8>) -> Option<()> {
+        let mut before = 0_u16;
+        for range_m in ranges_m {
+            if self == Self::Metres {
+                to.extend_from_slice(&range_m.unwrap_or(f32::INFINITY).to_le_bytes());
+                continue;
+            }
+            let Some(range_m) = range_m else {
+                to.push(NOTHING);
+                continue;
+            };
+            let number = self.number(range_m)?;
+            match u8::try_from(i32::from(number) - i32::from(before) - LEAST) {
+                Ok(byte) if byte < NOTHING => to.push(byte),
+                _ => {
+                    to.push(WHOLE);
+                    to.extend_from_slice(&number.to_le_bytes());
+                }
+            }
+            before = number;
+        }
+        Some(())
+    }
+
+    fn unpacked(self, bytes: &[u8]) -> Vec<f32> {
+        if self == Self::Metres {
+            let (ranges_m, _) = bytes.as_chunks::<4>();
+            return ranges_m.iter().map(|range_m| f32::from_le_bytes(*range_m)).collect();
+        }
+        let mut ranges_m = Vec::with_capacity(bytes.len());
+        let mut before = 0_u16;
+        let mut rest = bytes.iter().copied();
+        while let Some(byte) = rest.next() {
+            if byte == NOTHING {
+                ranges_m.push(f32::INFINITY);
+                continue;
+            }
+            before = if byte == WHOLE {
+                u16::from_le_bytes([rest.next().unwrap_or(0), rest.next().unwrap_or(0)])
+            } else {
+                before.wrapping_add_signed((i32::from(byte) + LEAST) as i16)
+            };
+            ranges_m.push(self.metres(before));
+        }
+        ranges_m
+    }
 }
 
 impl PackedScan {
     /// Of a scan, seen in a motion; ranges outside of these bounds are lost.
     #[must_use]
     pub fn new(record: &ScanRecord, [least_m, most_m]: [f32; 2], motion: Se2) -> Self {
-        let believed = |range_m: &f32| {
-            if (least_m..=most_m).contains(range_m) { *range_m } else { f32::INFINITY }
-        };
-        let ranges_m: Vec<f32> = record.ranges_m.iter().map(believed).collect();
-        let ranges = packed(&ranges_m, by_division)
-            .map(Ranges::Thousandths)
-            .or_else(|| packed(&ranges_m, by_product).map(Ranges::TimesThousandth))
-            .unwrap_or_else(|| Ranges::Metres(ranges_m.into_boxed_slice()));
+        let believed = |range_m: &f32| (least_m..=most_m).contains(range_m).then_some(*range_m);
         let ScanRecord { first_angle_rad, step_rad, between_s, .. } = *record;
-        Self { first_angle_rad, step_rad, between_s, motion, ranges }
+        let mut bytes = Vec::with_capacity(2 * record.ranges_m.len());
+        for (number, unit) in Unit::ALL.into_iter().enumerate() {
+            bytes.clear();
+            bytes.push(number as u8);
+            [first_angle_rad, step_rad, between_s]
+                .iter()
+                .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+            [motion.x_m, motion.y_m, motion.heading_rad]
+                .iter()
+                .for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+            if unit.packed(record.ranges_m.iter().map(believed), &mut bytes).is_some() {
+                break;
+            }
+        }
+        Self { bytes: bytes.into_boxed_slice() }
     }
 
     /// The believed returns, in the scanner's frame, in the order of the beams.
     #[must_use]
     pub fn points(&self) -> Vec<Point2> {
-        let ranges_m = match &self.ranges {
-            Ranges::Thousandths(values) => unpacked(values, by_division),
-            Ranges::TimesThousandth(values) => unpacked(values, by_product),
-            Ranges::Metres(ranges_m) => ranges_m.to_vec(),
-        };
-        let Self { first_angle_rad, step_rad, between_s, motion, .. } = *self;
+        self.record().map_or_else(Vec::new, |(record, motion)| record.points_in_motion(0.0, f32::MAX, motion))
+    }
+
+    fn record(&self) -> Option<(ScanRecord, Se2)> {
+        let (&number, rest) = self.bytes.split_first()?;
+        let unit = *Unit::ALL.get(usize::from(number))?;
+        let (singles, rest) = rest.split_first_chunk::<12>()?;
+        let (doubles, rest) = rest.split_first_chunk::<24>()?;
+        let (singles, _) = singles.as_chunks::<4>();
+        let (doubles, _) = doubles.as_chunks::<8>();
+        let [first_angle_rad, step_rad, between_s] =
+            [0, 1, 2].map(|place| f32::from_le_bytes(singles[place]));
+        let [x_m, y_m, heading_rad] = [0, 1, 2].map(|place| f64::from_le_bytes(doubles[place]));
+        let ranges_m = unit.unpacked(rest);
         let record = ScanRecord { first_angle_rad, step_rad, ranges_m, between_s, ..ScanRecord::default() };
-        record.points_in_motion(0.0, f32::MAX, motion)
+        Some((record, Se2 { x_m, y_m, heading_rad }))
     }
 
     pub(super) fn save(&self, to: &mut Saving<'_>) {
-        [self.first_angle_rad, self.step_rad, self.between_s].into_iter().for_each(|value| to.single(value));
-        to.pose(self.motion);
-        match &self.ranges {
-            Ranges::Thousandths(values) => to.halves(0, values),
-            Ranges::TimesThousandth(values) => to.halves(1, values),
-            Ranges::Metres(ranges_m) => {
-                to.count(2);
-                to.count(ranges_m.len());
-                ranges_m.iter().for_each(|range_m| to.single(*range_m));
-            }
-        }
+        to.bytes(&self.bytes);
     }
 
     pub(super) fn read(from: &mut Reading<'_>) -> Option<Self> {
-        let (first_angle_rad, step_rad, between_s) = (from.single()?, from.single()?, from.single()?);
-        let motion = from.pose()?;
-        let ranges = match from.count()? {
-            0 => Ranges::Thousandths(from.all(Reading::half)?.into()),
-            1 => Ranges::TimesThousandth(from.all(Reading::half)?.into()),
-            _ => Ranges::Metres(from.all(Reading::single)?.into()),
-        };
-        Some(Self { first_angle_rad, step_rad, between_s, motion, ranges })
+        Some(Self { bytes: from.all(Reading::byte)?.into() })
     }
 }
 
@@ -115,8 +157,11 @@ mod tests {
     #[test]
     fn returns_come_out_to_the_bit() {
         let motion = Se2::new(0.8, 0.1, 1.2);
-        let ranges: [fn(u16) -> f32; 3] =
-            [by_division, by_product, |value| f32::from(value) * 0.001_234_5 + 0.01];
+        let ranges: [fn(u16) -> f32; 3] = [
+            |value| f32::from(value) / 1_000.0,
+            |value| f32::from(value) * 1.0e-3,
+            |value| f32::from(value) * 0.001_234_5 + 0.01,
+        ];
         for (kind, range) in ranges.into_iter().enumerate() {
             let mut ranges_m: Vec<f32> = (0..400).map(|beam| range(97 * beam)).collect();
             (ranges_m[7], ranges_m[9], ranges_m[11]) = (f32::NAN, f32::INFINITY, -2.0);
@@ -128,11 +173,8 @@ mod tests {
                 ..ScanRecord::default()
             };
             let packed = PackedScan::new(&record, [0.1, 30.0], motion);
-            let size = match &packed.ranges {
-                Ranges::Thousandths(values) | Ranges::TimesThousandth(values) => size_of_val(&**values),
-                Ranges::Metres(values) => size_of_val(&**values),
-            };
-            assert_eq!(size, if kind < 2 { 800 } else { 1_600 });
+            // A third of the ranges lies within the bounds and one by one 97 mm apart; the others say nothing.
+            assert!(packed.bytes.len() < if kind < 2 { 450 } else { 2_000 }, "{}", packed.bytes.len());
             let points = record.points_in_motion(0.1, 30.0, motion);
             assert!(points.len() > 200 && packed.points() == points, "{kind}");
         }

@@ -1,5 +1,6 @@
 //! The tracking as bytes. Local maps are written again from their scans.
 
+use floorguard_types::geometry::Point2;
 use nalgebra::Matrix3;
 
 use super::config::FrontEndConfig;
@@ -10,13 +11,14 @@ use super::tracker::{LastAlone, Tracker};
 use crate::saved::{Reading, Saving};
 
 impl Tracker {
-    pub(crate) fn save(&self, to: &mut Saving<'_>) {
+    /// `returns` of each kept scan, by its number.
+    pub(crate) fn save(&self, to: &mut Saving<'_>, returns: impl Fn(usize) -> Box<[Point2]>) {
         to.count(self.nodes.len());
-        for node in &self.nodes {
+        for (index, node) in self.nodes.iter().enumerate() {
             to.number(node.time_s);
             to.pose(node.pose);
             to.pose_if_any(node.odometry);
-            to.points(&node.points);
+            to.points(&returns(index));
             node.information.iter().for_each(|value| to.single(*value));
             to.single(node.score);
         }

@@ -34,14 +34,14 @@ fn cell(value_m: f64, cell_m: f64) -> i32 {
 /// Makes a map of scans: pose of the scanner in the map, returns in the scanner's frame. `None` without any return.
 /// Cost: a step for every cell of every beam.
 #[must_use]
-pub fn build_grid_map<'a>(
-    scans: impl Iterator<Item = (Se2, &'a [Point2])>,
+pub fn build_grid_map(
+    scans: impl Iterator<Item = (Se2, impl AsRef<[Point2]>)>,
     config: &GridMapConfig,
 ) -> Option<GridMap> {
     let mut counts = CountGrid::default();
     for (pose, points) in scans {
         let from = [cell(pose.x_m, config.cell_m), cell(pose.y_m, config.cell_m)];
-        for point in points {
+        for point in points.as_ref() {
             let [x, y] = pose.transform(*point);
             counts.beam(from, [cell(x, config.cell_m), cell(y, config.cell_m)]);
         }
@@ -94,6 +94,8 @@ mod tests {
         assert_eq!([at(2.3, 0.0), at(-9.0, 0.0)], [Occupancy::Unknown; 2]);
         let free_m2 = map.area_m2(Occupancy::Free);
         assert!((15.0..16.4).contains(&free_m2), "{free_m2}");
-        assert!(build_grid_map(std::iter::empty(), &GridMapConfig::default()).is_none());
+        assert!(
+            build_grid_map(std::iter::empty::<(Se2, [Point2; 0])>(), &GridMapConfig::default()).is_none()
+        );
     }
 }

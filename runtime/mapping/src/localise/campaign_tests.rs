@@ -11,6 +11,9 @@ use crate::grid_map::GridMap;
 use crate::input::ScanRecord;
 use crate::se2::{Se2, wrap};
 
+#[path = "oracle_tests.rs"]
+mod oracle;
+
 /// A linear congruential generator (Knuth 1998, section 3.3.4).
 pub(crate) struct Random(u64);
 
@@ -39,6 +42,7 @@ const SPEED_MPS: f64 = 0.8;
 const TURN_RADPS: f64 = 0.9;
 /// A drive: within ten seconds of driving it should be found, within thirty it must.
 const DRIVE_S: f64 = 30.0;
+const SOON_S: f64 = 10.0;
 /// A place that was found is watched for so long.
 const WATCHED_S: f64 = 8.0;
 /// A place is wrong beyond this.
@@ -254,6 +258,7 @@ struct Ended {
     wrong: bool,
     changed: f64,
     statistics: LocaliserStatistics,
+    ambiguity: Option<oracle::Ambiguity>,
 }
 
 fn located(building: &Building, random: &mut Random) -> Option<Ended> {
@@ -293,6 +298,7 @@ fn located(building: &Building, random: &mut Random) -> Option<Ended> {
         }
     }
     ended.statistics = localiser.statistics;
+    ended.ambiguity = oracle::asked(&ended, building, [&mapped, &world], &path);
     Some(ended)
 }
 
@@ -349,11 +355,13 @@ fn places_are_found_in_changed_buildings() {
     let (all, wrong) = (ended.len() as u32, count(&|one| one.wrong));
     let (found, soon) = (
         count(&|one| one.found_s.is_some()),
-        count(&|one| one.found_s.is_some_and(|found_s: f64| found_s <= 10.0)),
+        count(&|one| one.found_s.is_some_and(|found_s: f64| found_s <= SOON_S)),
     );
     let share: f64 = ended.iter().map(|(_, one)| one.changed).sum();
-    for ((map, start), one) in ended.iter().filter(|(_, one)| one.wrong || one.found_s.is_none()) {
-        println!("map {map} start {start}: {one:?}");
+    let is_shown = |one: &Ended| one.wrong || one.found_s.is_none() || one.ambiguity.is_some();
+    for ((map, start), one) in ended.iter().filter(|(_, one)| is_shown(one)) {
+        let is_ambiguous = one.ambiguity.is_some_and(|found| found.is_there());
+        println!("map {map} start {start}: {one:?}{}", if is_ambiguous { " ambiguous" } else { "" });
     }
     println!(
         "{all} drives, {:.2} of the returns changed: {found} found, {soon} within 10 s, {wrong} wrongly certain",

@@ -1,6 +1,6 @@
 //! A finished map as it is searched.
 
-use floorguard_mapping::match_field::{FieldLevel, MatchField, coarsen};
+use floorguard_mapping::match_field::{FieldLevel, FieldPart, MatchField, coarsen};
 use floorguard_mapping::{GridGeometry, GridSides, Occupancy};
 use floorguard_types::geometry::Point2;
 
@@ -56,10 +56,11 @@ impl KnownMap {
             field.insert(Point2::new(x_m as f32, y_m as f32));
             walls += 1;
         }
-        let mut levels = vec![field.levels()[0].values.to_vec()];
+        let mut levels = vec![field.into_fine()];
+        let part = FieldPart::whole(&geometry);
         for shift in 0..LEVELS {
             let mut coarser = vec![0_u8; count];
-            coarsen(FieldLevel { geometry, values: &levels[usize::from(shift)], shift }, &mut coarser);
+            coarsen(FieldLevel { geometry, part, values: &levels[usize::from(shift)], shift }, &mut coarser);
             levels.push(coarser);
         }
         let permanence = permanence(&map);
@@ -77,7 +78,12 @@ impl KnownMap {
     pub fn levels(&self) -> Vec<FieldLevel<'_>> {
         let mut levels = Vec::new();
         for (shift, values) in (0..).zip(&self.levels) {
-            levels.push(FieldLevel { geometry: self.geometry, values, shift });
+            levels.push(FieldLevel {
+                geometry: self.geometry,
+                part: FieldPart::whole(&self.geometry),
+                values,
+                shift,
+            });
         }
         levels
     }
@@ -140,7 +146,12 @@ impl KnownMap {
         let origin = self.geometry.origin_in_map();
         let edge_m = f64::from(self.geometry.resolution_m());
         let cell = |value: f64, origin: f32| ((value - f64::from(origin)) / edge_m).floor() as i32;
-        let level = FieldLevel { geometry: self.geometry, values: &self.levels[0], shift: 0 };
+        let level = FieldLevel {
+            geometry: self.geometry,
+            part: FieldPart::whole(&self.geometry),
+            values: &self.levels[0],
+            shift: 0,
+        };
         level.at(cell(place[0], origin.x_m), cell(place[1], origin.y_m))
     }
 }

@@ -63,18 +63,11 @@ pub(super) struct Waiting {
 }
 
 /// Fields that are kept: some megabytes each.
-const FIELDS_KEPT: usize = 4;
-/// Blocks that a search can keep.
-const BLOCKS: usize = 200_000;
-
+const FIELDS_KEPT: usize = 2;
 impl LoopCloser {
     /// Nothing yet.
     #[must_use]
     pub fn new(config: LoopConfig) -> Self {
-        Self { blocks: vec![Candidate::default(); BLOCKS], ..Self::without_room(config) }
-    }
-
-    fn without_room(config: LoopConfig) -> Self {
         Self {
             config,
             stretches: Vec::new(),
@@ -88,37 +81,33 @@ impl LoopCloser {
         }
     }
 
-    /// Frees the searched fields; they are made again where they are needed.
+    /// Frees what is needed for searches alone; it is made again where it is needed.
     pub fn forget_fields(&mut self) {
         self.fields = VecDeque::new();
+        self.cells = Vec::new();
+        self.blocks = Vec::new();
     }
 
-    /// Another one with nothing found yet. It takes the room of this one's searches over, which ends their fields.
+    /// Another one with nothing found yet.
     #[must_use]
-    pub fn again(&mut self) -> Self {
-        self.fields = VecDeque::new();
-        Self { blocks: std::mem::take(&mut self.blocks), ..Self::without_room(self.config) }
-    }
-
-    /// Takes the room back, for a mapping that goes on.
-    pub fn take_room(&mut self, other: Self) {
-        self.blocks = other.blocks;
+    pub fn again(&self) -> Self {
+        Self::new(self.config)
     }
 
     /// Cuts off the next stretch that has become complete, and names the earlier ones that it is to be compared with; `poses` are
     /// the best ones in the map so far. With `is_last`, the rest of the path is a stretch, too. False: none was complete.
-    pub fn advance(&mut self, nodes: &[Node], poses: &[Se2], is_last: bool) -> bool {
+    pub fn advance(&mut self, (nodes, views): (&[Node], &[ScanView]), poses: &[Se2], is_last: bool) -> bool {
         let mut travelled = 0.0;
         for node in self.next_node + 1..nodes.len() {
             travelled += nodes[node - 1].pose.distance(nodes[node].pose);
             if travelled >= self.config.stretch_m || node - self.next_node >= self.config.stretch_nodes {
-                self.complete(nodes, poses, node);
+                self.complete((nodes, views), poses, node);
                 return true;
             }
         }
         let is_rest = is_last && nodes.len() > self.next_node + 1;
         if is_rest {
-            self.complete(nodes, poses, nodes.len());
+            self.complete((nodes, views), poses, nodes.len());
         }
         is_rest
     }
@@ -135,14 +124,15 @@ impl LoopCloser {
             while self.is_searching() {
                 found.extend(self.search_next(nodes, views, poses));
             }
-            if !self.advance(nodes, poses, is_last) {
+            if !self.advance((nodes, views), poses, is_last) {
                 return found;
             }
         }
     }
 
-    fn complete(&mut self, nodes: &[Node], poses: &[Se2], end: usize) {
-        let stretch = Stretch::new(nodes, self.next_node, end, &self.config);
+    fn complete(&mut self, scans: (&[Node], &[ScanView]), poses: &[Se2], end: usize) {
+        let (nodes, _) = scans;
+        let stretch = Stretch::new(scans, self.next_node..end, &self.config);
         self.next_node = end;
         let index = self.stretches.len();
         self.stretches.push(stretch);
@@ -265,6 +255,12 @@ impl LoopCloser {
         let expected = reference.place(poses).between(query.place(poses));
         let window = config.window(expected, path_m);
         self.cells.resize(query.searched.len(), CellOffset::default());
+        // The searched field has a block of the coarsest level for each that the window begins.
+        let side = levels.last().map_or(1, |level| 1_usize << level.shift);
+        let across = |half: i32| 2 * half.unsigned_abs() as usize;
+        let rows = across(window.half_side_cells) / side + 1;
+        let turns = across(window.half_turn_steps) + 1;
+        self.blocks.resize(rows * rows * turns, Candidate::default());
         let found = observe(&levels, query, &window, (&mut self.cells, &mut self.blocks));
         let Some(found) = found else {
             self.statistics.unlike += 1;

@@ -4,6 +4,7 @@ use super::closer::{LoopCloser, LoopStatistics};
 use super::config::LoopConfig;
 use super::stretch::Stretch;
 use crate::front_end::Node;
+use crate::refine::ScanView;
 use crate::saved::{Reading, Saving};
 
 impl LoopCloser {
@@ -22,11 +23,16 @@ impl LoopCloser {
             .for_each(|value| to.count(value));
     }
 
-    pub(crate) fn read(from: &mut Reading<'_>, nodes: &[Node], config: LoopConfig) -> Option<Self> {
+    pub(crate) fn read(
+        from: &mut Reading<'_>,
+        scans: (&[Node], &[ScanView]),
+        config: LoopConfig,
+    ) -> Option<Self> {
+        let (nodes, _) = scans;
         let mut closer = Self::new(config);
         closer.stretches = from.all(|from| {
             let (first, end) = (from.count()?, from.count()?);
-            (first < end && end <= nodes.len()).then(|| Stretch::new(nodes, first, end, &config))
+            (first < end && end <= nodes.len()).then(|| Stretch::new(scans, first..end, &config))
         })?;
         closer.links = from.all(|from| Some([from.count()?, from.count()?]))?;
         closer.next_node = from.count()?;

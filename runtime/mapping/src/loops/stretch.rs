@@ -1,13 +1,16 @@
 //! A few metres of the path with what was seen there.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use floorguard_mapping::GridGeometry;
-use floorguard_mapping::match_field::{FieldLevel, MatchField, coarsen};
+use floorguard_mapping::match_field::{FieldLevel, FieldPart, MatchField, coarsen};
 use floorguard_types::geometry::Point2;
 
 use super::config::LoopConfig;
 use crate::front_end::Node;
+use crate::pages::Pages;
+use crate::refine::ScanView;
 use crate::se2::Se2;
 
 /// Consecutive scans, rigid among each other.
@@ -31,21 +34,22 @@ const LEVELS: u8 = 6;
 /// The searched field of a stretch.
 pub struct StretchField {
     geometry: GridGeometry,
-    levels: Vec<Vec<u8>>,
+    levels: Vec<Pages>,
 }
 
 impl Stretch {
-    /// From the scans `first..end`.
+    /// From these scans.
     #[must_use]
-    pub fn new(nodes: &[Node], first: usize, end: usize, config: &LoopConfig) -> Self {
+    pub fn new((nodes, views): (&[Node], &[ScanView]), scans: Range<usize>, config: &LoopConfig) -> Self {
+        let Range { start: first, end } = scans;
         let thin_m = config.thin_m;
         let centre = first + (end - first) / 2;
         let origin = nodes[centre].pose;
         let mut taken = BTreeSet::new();
         let mut points = Vec::new();
-        for node in &nodes[first..end] {
+        for (node, view) in nodes[first..end].iter().zip(&views[first..end]) {
             let pose = origin.between(node.pose).single();
-            for point in &node.points {
+            for point in &view.returns() {
                 let point = pose.transform(*point);
                 let cell = ((point.x_m / thin_m).floor() as i32, (point.y_m / thin_m).floor() as i32);
                 if taken.insert(cell) {
@@ -55,6 +59,7 @@ impl Stretch {
         }
         let step = points.len().div_ceil(config.searched_points.max(1)).max(1);
         let searched = points.iter().step_by(step).copied().collect();
+        points.shrink_to_fit();
         Self { first, end, centre, points, searched }
     }
 
@@ -72,14 +77,18 @@ impl Stretch {
         let geometry = GridGeometry::new(cells(low_x, high_x), cells(low_y, high_y), config.cell_m, corner)?;
         let count = geometry.cell_count();
         let mut field =
-            MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
+            MatchField::new(geometry, [Pages::new(count), Pages::new(count)], config.reach_m).ok()?;
         for point in &self.points {
             field.insert(*point);
         }
-        let mut levels = vec![field.levels()[0].values.to_vec()];
+        let mut levels = vec![field.into_fine()];
         for shift in 0..LEVELS {
-            let mut coarser = vec![0_u8; count];
-            coarsen(FieldLevel { geometry, values: &levels[usize::from(shift)], shift }, &mut coarser);
+            let mut coarser = Pages::new(count);
+            let part = FieldPart::whole(&geometry);
+            coarsen(
+                FieldLevel { geometry, part, values: levels[usize::from(shift)].as_ref(), shift },
+                coarser.as_mut(),
+            );
             levels.push(coarser);
         }
         Some(StretchField { geometry, levels })
@@ -96,10 +105,11 @@ impl StretchField {
     /// The levels, fine first.
     #[must_use]
     pub fn levels(&self) -> Vec<FieldLevel<'_>> {
+        let (geometry, part) = (self.geometry, FieldPart::whole(&self.geometry));
         self.levels
             .iter()
             .enumerate()
-            .map(|(shift, values)| FieldLevel { geometry: self.geometry, values, shift: shift as u8 })
+            .map(|(shift, values)| FieldLevel { geometry, part, values: values.as_ref(), shift: shift as u8 })
             .collect()
     }
 }

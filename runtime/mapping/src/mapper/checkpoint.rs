@@ -5,14 +5,14 @@ use std::io::{self, Write};
 use nalgebra::Matrix3;
 
 use super::whole::{MapConfig, Mapper};
-use crate::front_end::Tracker;
+use crate::front_end::{Node, Tracker};
 use crate::loops::LoopCloser;
 use crate::pose_graph::{Edge, EdgeKind};
 use crate::refine::ScanView;
 use crate::saved::{Reading, Saving};
 
 /// The form of the bytes; another one is not read.
-const FORM: usize = 0x4647_4D41_5004;
+const FORM: usize = 0x4647_4D41_5005;
 
 /// A mapping that goes on.
 pub struct Resumed {
@@ -36,7 +36,8 @@ impl Mapper {
         to.count(FORM);
         to.count(key as usize);
         to.count(scans as usize);
-        self.tracker.save(&mut to);
+        to.single(self.step_rad);
+        self.tracker.save(&mut to, |node| self.views[node].returns());
         self.closer.save(&mut to);
         to.count(self.poses.len());
         self.poses.iter().for_each(|pose| to.pose(*pose));
@@ -50,7 +51,6 @@ impl Mapper {
         to.count(self.loop_weights.len());
         self.loop_weights.iter().for_each(|weight| to.number(*weight));
         to.count(self.map_revision as usize);
-        to.single(self.step_rad);
         to.finish().map(|()| true)
     }
 
@@ -63,16 +63,18 @@ impl Mapper {
             return None;
         }
         let scans = from.count()? as u64;
-        let tracker = Tracker::read(&mut from, config.front_end)?;
-        let closer = LoopCloser::read(&mut from, &tracker.nodes, config.loops)?;
+        let step_rad = from.single()?;
+        let mut tracker = Tracker::read(&mut from, config.front_end)?;
+        let view = |node: &mut Node| ScanView::new(&std::mem::take(&mut node.points), step_rad);
+        let views: Vec<ScanView> = tracker.nodes.iter_mut().map(view).collect();
+        let closer = LoopCloser::read(&mut from, (&tracker.nodes, &views), config.loops)?;
         let mut mapper = Self::new(config);
         mapper.poses = from.all(Reading::pose)?;
         mapper.loops = from.all(|from| edge(from, tracker.nodes.len()))?;
         mapper.loop_weights = from.all(Reading::number)?;
         mapper.map_revision = u32::try_from(from.count()?).ok()?;
-        mapper.step_rad = from.single()?;
-        let view = |points| ScanView::new(points, mapper.step_rad);
-        mapper.views = tracker.nodes.iter().map(|node| view(&node.points)).collect();
+        mapper.step_rad = step_rad;
+        mapper.views = views;
         mapper.tracker = tracker;
         mapper.closer = closer;
         (mapper.poses.len() == mapper.tracker.nodes.len()).then_some(Resumed { mapper, scans })

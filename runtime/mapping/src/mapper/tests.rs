@@ -7,7 +7,6 @@ use crate::input::ScanRecord;
 use crate::localise::campaign::{Random, STEP_S, World, beam_rad, scan};
 use crate::loops::LoopCloser;
 use crate::pose_graph::UncertainPose;
-use crate::refine::ScanView;
 use crate::se2::{Se2, wrap};
 
 /// Turns on the spot and straight ways from corner to corner, 0.8 m/s and 0.9 rad/s.
@@ -133,8 +132,6 @@ fn places_at_the_rim_are_left_alone() {
         mapper.push(&record).unwrap();
     }
     let nodes = &mapper.tracker.nodes;
-    let views: Vec<ScanView> =
-        nodes.iter().map(|node| ScanView::new(&node.points, 1.0_f32.to_radians())).collect();
     let searched = |drift_m: f64| {
         let place = |node: &Node| {
             let truth = path[(node.time_s / STEP_S).round() as usize];
@@ -143,7 +140,7 @@ fn places_at_the_rim_are_left_alone() {
         };
         let poses: Vec<Se2> = nodes.iter().map(place).collect();
         let mut closer = LoopCloser::new(MapConfig::default().loops);
-        let found = closer.search_all((nodes, &views), &poses, true);
+        let found = closer.search_all((nodes, &mapper.views), &poses, true);
         println!("{drift_m} m: {} found, {:?}", found.len(), closer.statistics);
         (found.len(), closer.statistics.at_rim)
     };

@@ -1,5 +1,7 @@
 //! Tracking, loops, optimisation, alignment.
 
+use floorguard_types::geometry::Point2;
+
 use crate::front_end::{FrontEndConfig, Step, Tracker, interpolated, sequence_edges};
 use crate::input::ScanRecord;
 use crate::loops::{LoopCloser, LoopConfig};
@@ -58,7 +60,8 @@ pub struct Mapper {
     pub loop_weights: Vec<f64>,
     /// Counts corrections of the map.
     pub map_revision: u32,
-    pub(super) views: Vec<ScanView>,
+    /// The returns of the kept scans, by bearing.
+    pub views: Vec<ScanView>,
     pub(super) step_rad: f32,
     /// Loops that wait for the next optimisation.
     pub(super) found: Vec<Edge>,
@@ -97,14 +100,16 @@ impl Mapper {
             self.work(self.config.poses_a_scan);
             return Ok(());
         };
+        // The view holds them, too.
+        let points = std::mem::take(&mut self.tracker.nodes[index].points);
+        self.views.push(ScanView::new(&points, record.step_rad));
         let node = &self.tracker.nodes[index];
-        self.views.push(ScanView::new(&node.points, record.step_rad));
         let pose = match index.checked_sub(1).and_then(|before| Some((before, self.poses.get(before)?))) {
             Some((before, pose)) => pose.compose(self.tracker.nodes[before].pose.between(node.pose)),
             None => node.pose,
         };
         self.poses.push(pose);
-        self.closer.advance(&self.tracker.nodes, &self.poses, false);
+        self.closer.advance((&self.tracker.nodes, &self.views), &self.poses, false);
         self.work(self.config.poses_a_scan);
         Ok(())
     }
@@ -180,7 +185,7 @@ impl Mapper {
     /// The graph cannot be solved.
     pub fn finish(&mut self) -> Result<(), Unsolvable> {
         self.settle();
-        self.closer.advance(&self.tracker.nodes, &self.poses, true);
+        self.closer.advance((&self.tracker.nodes, &self.views), &self.poses, true);
         self.settle();
         self.tracker.forget_maps();
         self.closer.forget_fields();
@@ -200,7 +205,7 @@ impl Mapper {
         self.tracker.nodes.iter_mut().zip(&self.poses).for_each(|(node, pose)| node.pose = *pose);
         let mut closer = self.closer.again();
         let mut found = closer.search_all((&self.tracker.nodes, &self.views), &self.poses, true);
-        self.closer.take_room(closer);
+        drop(closer);
         let edges = sequence_edges(&self.tracker.nodes);
         self.tracker.nodes.iter_mut().zip(tracked).for_each(|(node, pose)| node.pose = pose);
         found.retain(|edge| {
@@ -213,6 +218,11 @@ impl Mapper {
         self.begin(edges);
         self.settle();
         true
+    }
+
+    /// The kept scans: where each stood in the map, and its returns in its own frame, made when they are asked for.
+    pub fn scans(&self) -> impl Iterator<Item = (Se2, Box<[Point2]>)> {
+        self.poses.iter().zip(&self.views).map(|(pose, view)| (*pose, view.returns()))
     }
 
     /// Moves the times of all scans, as where their stamps are early.

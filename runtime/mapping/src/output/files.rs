@@ -35,7 +35,7 @@ pub fn map_files<'a>(
 ) -> impl Iterator<Item = OutputFile> + 'a {
     let graph = mapper.graph();
     let path: Vec<Se2> = trajectory.iter().map(|(_, pose)| *pose).collect();
-    let maps = SubMaps::new(&mapper.tracker.nodes, graph.poses.clone(), SubMapConfig::default());
+    let maps = SubMaps::new(&mapper.tracker.nodes, &mapper.views, &mapper.poses, SubMapConfig::default());
     let whole = (0..3).map(move |file| match file {
         0 => OutputFile::new("trajectory.tum", write_tum(trajectory)),
         1 => OutputFile::new("graph.g2o", write_g2o(&graph)),

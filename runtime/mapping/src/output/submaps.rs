@@ -3,6 +3,7 @@
 
 use crate::front_end::Node;
 use crate::grid_map::{GridMap, GridMapConfig, build_grid_map};
+use crate::refine::ScanView;
 use crate::se2::Se2;
 
 /// How the path is cut.
@@ -40,7 +41,8 @@ pub struct SubMap {
 /// The sub-maps of a path, in its order, each made when it is asked for; pieces in which nothing was seen are left out.
 pub struct SubMaps<'a> {
     nodes: &'a [Node],
-    poses: Vec<Se2>,
+    views: &'a [ScanView],
+    poses: &'a [Se2],
     config: SubMapConfig,
     /// First kept scan of the next piece.
     first: usize,
@@ -49,8 +51,13 @@ pub struct SubMaps<'a> {
 impl<'a> SubMaps<'a> {
     /// Of kept scans and their poses in the map.
     #[must_use]
-    pub const fn new(nodes: &'a [Node], poses: Vec<Se2>, config: SubMapConfig) -> Self {
-        Self { nodes, poses, config, first: 0 }
+    pub const fn new(
+        nodes: &'a [Node],
+        views: &'a [ScanView],
+        poses: &'a [Se2],
+        config: SubMapConfig,
+    ) -> Self {
+        Self { nodes, views, poses, config, first: 0 }
     }
 
     /// Last kept scan of the piece that begins at one.
@@ -66,6 +73,14 @@ impl<'a> SubMaps<'a> {
         }
         count - 1
     }
+
+    fn sub_map(&self, [first, last]: [usize; 2]) -> Option<SubMap> {
+        let pose = self.poses[first + (last - first) / 2];
+        let scans = (first..=last).map(|node| (pose.between(self.poses[node]), self.views[node].returns()));
+        let map = build_grid_map(scans, &self.config.grid)?;
+        let times_s = [first, last].map(|node| self.nodes[node].time_s);
+        Some(SubMap { first_node: first, last_node: last, pose, times_s, map })
+    }
 }
 
 impl Iterator for SubMaps<'_> {
@@ -76,26 +91,13 @@ impl Iterator for SubMaps<'_> {
         while self.first < count {
             let piece = [self.first, self.last_of(self.first, count)];
             self.first = piece[1] + 1;
-            let map = sub_map(self.nodes, &self.poses, piece, &self.config.grid);
+            let map = self.sub_map(piece);
             if map.is_some() {
                 return map;
             }
         }
         None
     }
-}
-
-fn sub_map(nodes: &[Node], poses: &[Se2], [first, last]: [usize; 2], grid: &GridMapConfig) -> Option<SubMap> {
-    let pose = poses[first + (last - first) / 2];
-    let scans = (first..=last).map(|node| (pose.between(poses[node]), &*nodes[node].points));
-    let map = build_grid_map(scans, grid)?;
-    Some(SubMap {
-        first_node: first,
-        last_node: last,
-        pose,
-        times_s: [nodes[first].time_s, nodes[last].time_s],
-        map,
-    })
 }
 
 /// First line of the list of the sub-maps: the names of what each further line holds, separated by spaces.

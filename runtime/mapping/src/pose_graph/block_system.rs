@@ -27,13 +27,16 @@ pub struct Unsolvable;
 /// Where the terms of a pair go. Pose 0 stands still and has no place.
 #[derive(Clone, Copy, Debug)]
 struct PairPlace {
-    first: Option<usize>,
-    second: Option<usize>,
-    /// Index of the mixed block; `None` for a pair without one.
-    mixed: Option<usize>,
+    /// Variables of both poses, and index of the mixed block; [`NO_PLACE`] where there is none.
+    first: u32,
+    second: u32,
+    mixed: u32,
     /// The mixed block has the rows of the second pose.
     is_transposed: bool,
 }
+
+/// What has no place in the equations.
+const NO_PLACE: u32 = u32::MAX;
 
 /// The equations.
 pub struct BlockSystem {
@@ -50,15 +53,15 @@ impl BlockSystem {
     /// left out.
     #[must_use]
     pub fn new(poses: usize, pairs: &[[usize; 2]]) -> Self {
-        Self::within(poses, pairs, usize::MAX)
+        Self::within(poses, pairs.iter().copied(), usize::MAX)
     }
 
     /// The same without what binds poses of which the numbers differ by more than `band`: of such pairs, only what each pose
     /// has alone is added. What is left is positive definite if the whole is.
-    pub(super) fn within(poses: usize, pairs: &[[usize; 2]], band: usize) -> Self {
+    pub(super) fn within(poses: usize, pairs: impl Iterator<Item = [usize; 2]> + Clone, band: usize) -> Self {
         let variables = poses.saturating_sub(1);
         let mut lower: Vec<Vec<usize>> = (0..variables).map(|variable| vec![variable]).collect();
-        for &[a, b] in pairs {
+        for [a, b] in pairs.clone() {
             if a != b && a.min(b) > 0 && a.max(b) <= variables && a.abs_diff(b) <= band {
                 lower[a.min(b) - 1].push(a.max(b) - 1);
             }
@@ -73,7 +76,7 @@ impl BlockSystem {
             blocks += list.len();
         }
         let analysis = Analysis::new(&lower);
-        let place = |&[a, b]: &[usize; 2]| {
+        let place = |[a, b]: [usize; 2]| {
             let variable = |pose: usize| pose.checked_sub(1).filter(|variable| *variable < variables);
             let (first, second) = (variable(a), variable(b));
             let both = first.zip(second).filter(|(first, second)| first != second);
@@ -82,10 +85,11 @@ impl BlockSystem {
                 Some(diagonals[x.min(y)] + rank)
             });
             let is_transposed = both.is_some_and(|(x, y)| analysis.position(y) > analysis.position(x));
-            PairPlace { first, second, mixed, is_transposed }
+            let short = |place: Option<usize>| place.map_or(NO_PLACE, |place| place as u32);
+            PairPlace { first: short(first), second: short(second), mixed: short(mixed), is_transposed }
         };
         Self {
-            places: pairs.iter().map(place).collect(),
+            places: pairs.map(place).collect(),
             diagonals,
             blocks: vec![Block::zeros(); blocks],
             gradient: vec![0.0; 3 * variables],
@@ -102,13 +106,14 @@ impl BlockSystem {
     /// Adds the terms of a pair; `pair` counts as in `new`.
     pub fn add(&mut self, pair: usize, terms: &PairTerms) {
         let Some(&place) = self.places.get(pair) else { return };
-        if let Some(first) = place.first {
+        let index = |place: u32| (place != NO_PLACE).then_some(place as usize);
+        if let Some(first) = index(place.first) {
             self.add_diagonal(first, &terms.first, &terms.first_gradient);
         }
-        if let Some(second) = place.second {
+        if let Some(second) = index(place.second) {
             self.add_diagonal(second, &terms.second, &terms.second_gradient);
         }
-        if let Some(mixed) = place.mixed {
+        if let Some(mixed) = index(place.mixed) {
             self.blocks[mixed] += if place.is_transposed { terms.mixed.transpose() } else { terms.mixed };
         }
     }

@@ -25,7 +25,7 @@ impl Default for IterativeConfig {
 /// The equations. Pose 0 stands still.
 pub struct IterativeSystem {
     config: IterativeConfig,
-    pairs: Vec<[usize; 2]>,
+    pairs: Vec<[u32; 2]>,
     near: BlockSystem,
     diagonals: Vec<Matrix3<f64>>,
     mixed: Vec<Matrix3<f64>>,
@@ -36,15 +36,21 @@ pub struct IterativeSystem {
 impl IterativeSystem {
     /// Of `poses` poses with these pairs, all of them of poses that are there.
     #[must_use]
-    pub fn new(poses: usize, pairs: &[[usize; 2]], config: IterativeConfig) -> Self {
+    pub fn new(poses: usize, pairs: Vec<[u32; 2]>, config: IterativeConfig) -> Self {
         Self {
             config,
-            pairs: pairs.to_vec(),
-            near: BlockSystem::within(poses, pairs, config.band),
+            near: BlockSystem::within(poses, pairs.iter().map(wide), config.band),
             diagonals: vec![Matrix3::zeros(); poses],
             mixed: vec![Matrix3::zeros(); pairs.len()],
+            pairs,
             steps: 0,
         }
+    }
+
+    /// The poses of a pair.
+    #[must_use]
+    pub fn pair(&self, pair: usize) -> [usize; 2] {
+        wide(&self.pairs[pair])
     }
 
     /// Begins a new step.
@@ -56,7 +62,7 @@ impl IterativeSystem {
 
     /// Adds the terms of a pair; `pair` counts as in `new`.
     pub fn add(&mut self, pair: usize, terms: &PairTerms) {
-        let [first, second] = self.pairs[pair];
+        let [first, second] = self.pair(pair);
         self.near.add(pair, terms);
         self.diagonals[first] += terms.first;
         self.diagonals[second] += terms.second;
@@ -103,13 +109,17 @@ impl IterativeSystem {
             let Some(at) = part(pose) else { continue };
             add_product(&mut all[at..at + 3], diagonal, &vector[at..at + 3]);
         }
-        for (&[first, second], mixed) in self.pairs.iter().zip(&self.mixed) {
+        for ([first, second], mixed) in self.pairs.iter().map(wide).zip(&self.mixed) {
             let Some((first, second)) = part(first).zip(part(second)) else { continue };
             add_product(&mut all[first..first + 3], mixed, &vector[second..second + 3]);
             add_product(&mut all[second..second + 3], &mixed.transpose(), &vector[first..first + 3]);
         }
         all
     }
+}
+
+fn wide(pair: &[u32; 2]) -> [usize; 2] {
+    pair.map(|pose| pose as usize)
 }
 
 fn product(first: &[f64], second: &[f64]) -> f64 {
@@ -140,9 +150,10 @@ mod tests {
         let chain = (1..120).map(|step| [step - 1, step]);
         let loops = (40..120).step_by(3).map(|step| [step - 40, step]);
         let pairs: Vec<[usize; 2]> = chain.chain(loops).collect();
+        let narrow = pairs.iter().map(|pair| pair.map(|pose| pose as u32)).collect();
         let mut whole = BlockSystem::new(poses.len(), &pairs);
         let config = IterativeConfig { share_least: 1.0e-9, ..IterativeConfig::default() };
-        let mut iterative = IterativeSystem::new(poses.len(), &pairs, config);
+        let mut iterative = IterativeSystem::new(poses.len(), narrow, config);
         for (index, &[from, to]) in pairs.iter().enumerate() {
             let pull = Se2::new(0.01 * (index % 5) as f64, 0.02, 0.01 * (index % 3) as f64);
             let measured = poses[from].between(poses[to]).compose(pull);

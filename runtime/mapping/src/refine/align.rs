@@ -38,6 +38,9 @@ pub struct AlignRound {
     pub stride: usize,
 }
 
+/// Rounds at most.
+const ROUNDS_MAX: usize = 32;
+
 impl Default for AlignConfig {
     fn default() -> Self {
         let round = |distance_m, stride| AlignRound { distance_m, stride };
@@ -54,14 +57,6 @@ impl Default for AlignConfig {
     }
 }
 
-/// The terms of a pair of scans when it was last matched.
-struct Matched {
-    round: AlignRound,
-    poses: [Se2; 2],
-    /// `None`: too few points found a partner.
-    terms: Option<PairTerms>,
-}
-
 /// Moves the poses so that the walls of all scans agree, in these rounds; the edges hold what the walls leave open. Pose 0 stands
 /// still.
 ///
@@ -73,24 +68,35 @@ pub fn align(
     edges: &[Edge],
     (config, rounds): (&AlignConfig, &[AlignRound]),
 ) -> Result<(), Unsolvable> {
-    let compared = overlapping_pairs(poses, &config.pairs);
-    let pairs: Vec<[usize; 2]> =
-        compared.iter().copied().chain(edges.iter().map(|edge| [edge.from, edge.to])).collect();
-    let mut system = IterativeSystem::new(poses.len(), &pairs, config.solver);
-    let mut all: Vec<Option<Matched>> = compared.iter().map(|_| None).collect();
-    for &round in rounds {
+    let mut pairs = overlapping_pairs(poses, &config.pairs);
+    let compared = pairs.len();
+    pairs.extend(edges.iter().map(|edge| [edge.from as u32, edge.to as u32]));
+    pairs.shrink_to_fit();
+    let mut system = IterativeSystem::new(poses.len(), pairs, config.solver);
+    // Where all scans stood at the beginning of each round, and in which round each pair was matched last: its terms are made
+    // again from that, as they are larger than everything else together.
+    let mut stood: Vec<Vec<Se2>> = Vec::with_capacity(rounds.len());
+    let mut matched_in: Vec<Option<u8>> = vec![None; compared];
+    for (number, round) in rounds.iter().take(ROUNDS_MAX).enumerate() {
         system.clear();
-        for ((index, &[a, b]), last) in compared.iter().enumerate().zip(&mut all) {
+        stood.push(poses.to_vec());
+        for (index, last) in matched_in.iter_mut().enumerate() {
+            let [a, b] = system.pair(index);
+            let at = |number: u8| {
+                let poses = &stood[usize::from(number)];
+                [poses[a], poses[b]]
+            };
             let now = [poses[a], poses[b]];
-            let kept = last.take().filter(|last| last.is_still_of(now, round, config.still));
-            let matched = kept.unwrap_or_else(|| Matched::new([&views[a], &views[b]], now, round, config));
-            if let Some(terms) = matched.terms_at(now) {
-                system.add(index, &terms);
-            }
+            let is_kept =
+                |last: &u8| rounds[usize::from(*last)] == *round && is_still(at(*last), now, config.still);
+            let matched = last.filter(is_kept).unwrap_or(number as u8);
             *last = Some(matched);
+            if let Some(terms) = terms_of([&views[a], &views[b]], at(matched), *round, config) {
+                system.add(index, &moved(terms, at(matched), now));
+            }
         }
         for (index, edge) in edges.iter().enumerate() {
-            system.add(compared.len() + index, &edge.terms(poses[edge.from], poses[edge.to], 1.0));
+            system.add(compared + index, &edge.terms(poses[edge.from], poses[edge.to], 1.0));
         }
         let step = system.solve()?;
         for (pose, step) in poses.iter_mut().skip(1).zip(step.chunks_exact(3)) {
@@ -100,36 +106,38 @@ pub fn align(
     Ok(())
 }
 
-impl Matched {
-    fn new(views: [&ScanView; 2], poses: [Se2; 2], round: AlignRound, config: &AlignConfig) -> Self {
-        let AlignRound { distance_m, stride } = round;
-        let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85, stride };
-        let matched = match_pair(views, poses, &limits);
-        let needed = (config.matched_share * matched.asked as f64).max(20.0 / stride.max(1) as f64);
-        let scale = stride as f64 / (config.point_deviation_m * config.point_deviation_m);
-        let is_enough = matched.matched as f64 >= needed;
-        Self { round, poses, terms: is_enough.then(|| scaled(&held(&matched.terms), scale)) }
-    }
+/// What the walls say about a pair at these poses; `None`: too few points found a partner.
+fn terms_of(
+    views: [&ScanView; 2],
+    poses: [Se2; 2],
+    round: AlignRound,
+    config: &AlignConfig,
+) -> Option<PairTerms> {
+    let AlignRound { distance_m, stride } = round;
+    let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85, stride };
+    let matched = match_pair(views, poses, &limits);
+    let needed = (config.matched_share * matched.asked as f64).max(20.0 / stride.max(1) as f64);
+    let scale = stride as f64 / (config.point_deviation_m * config.point_deviation_m);
+    let is_enough = matched.matched as f64 >= needed;
+    is_enough.then(|| scaled(&held(&matched.terms), scale))
+}
 
-    /// Whether the scans stand to each other as they stood when they were matched in a round like this.
-    fn is_still_of(&self, poses: [Se2; 2], round: AlignRound, (still_m, still_rad): (f64, f64)) -> bool {
-        let before = self.poses[0].between(self.poses[1]);
-        let moved = before.between(poses[0].between(poses[1]));
-        self.round == round && moved.length_m() < still_m && moved.heading_rad.abs() < still_rad
-    }
+/// Whether the scans stand to each other as they stood then.
+fn is_still(then: [Se2; 2], now: [Se2; 2], (still_m, still_rad): (f64, f64)) -> bool {
+    let moved = then[0].between(then[1]).between(now[0].between(now[1]));
+    moved.length_m() < still_m && moved.heading_rad.abs() < still_rad
+}
 
-    /// The terms where the scans stand now: distances across walls change with the poses, which points belong together does not.
-    fn terms_at(&self, poses: [Se2; 2]) -> Option<PairTerms> {
-        let terms = self.terms?;
-        let [first, second] = [0, 1].map(|index| {
-            let (now, then) = (poses[index], self.poses[index]);
-            Vector3::new(now.x_m - then.x_m, now.y_m - then.y_m, wrap(now.heading_rad - then.heading_rad))
-        });
-        Some(PairTerms {
-            first_gradient: terms.first_gradient + terms.first * first + terms.mixed * second,
-            second_gradient: terms.second_gradient + terms.mixed.transpose() * first + terms.second * second,
-            ..terms
-        })
+/// The terms where the scans stand now: distances across walls change with the poses, which points belong together does not.
+fn moved(terms: PairTerms, then: [Se2; 2], now: [Se2; 2]) -> PairTerms {
+    let [first, second] = [0, 1].map(|index| {
+        let (now, then) = (now[index], then[index]);
+        Vector3::new(now.x_m - then.x_m, now.y_m - then.y_m, wrap(now.heading_rad - then.heading_rad))
+    });
+    PairTerms {
+        first_gradient: terms.first_gradient + terms.first * first + terms.mixed * second,
+        second_gradient: terms.second_gradient + terms.mixed.transpose() * first + terms.second * second,
+        ..terms
     }
 }
 

@@ -27,7 +27,7 @@ impl Default for PairConfig {
 
 /// The pairs, each once, the later scan first.
 #[must_use]
-pub fn overlapping_pairs(poses: &[Se2], config: &PairConfig) -> Vec<[usize; 2]> {
+pub fn overlapping_pairs(poses: &[Se2], config: &PairConfig) -> Vec<[u32; 2]> {
     let cell = |pose: &Se2| {
         let index = |value: f64| (value / config.distance_m).floor() as i64;
         (index(pose.x_m), index(pose.y_m))
@@ -51,8 +51,8 @@ pub fn overlapping_pairs(poses: &[Se2], config: &PairConfig) -> Vec<[usize; 2]> 
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let (recent, others): (Vec<_>, Vec<_>) =
             near.iter().partition(|(_, other)| index - other <= config.recent);
-        pairs.extend(spread(&recent, config.recent_max).into_iter().map(|other| [index, other]));
-        pairs.extend(spread(&others, config.other_max).into_iter().map(|other| [index, other]));
+        let chosen = [spread(&recent, config.recent_max), spread(&others, config.other_max)].concat();
+        pairs.extend(chosen.into_iter().map(|other| [index as u32, other as u32]));
         places.entry((column, row)).or_default().push(index);
     }
     pairs

@@ -18,6 +18,8 @@ pub struct ScanView {
     pub points: Box<[WallPoint]>,
     /// First point of each degree, from −180°.
     first_of_degree: Box<[u16]>,
+    /// Which beam each point is of, where the beams do not come by bearing.
+    beams: Option<Box<[u16]>>,
 }
 
 const DEGREES: usize = 360;
@@ -66,7 +68,13 @@ impl ScanView {
     pub fn new(points: &[Point2], step_rad: f32) -> Self {
         let bearing = |&point: &Point2| (libm::atan2f(point.y_m, point.x_m), point);
         let mut sorted: Vec<(f32, Point2)> = points.iter().take(usize::from(u16::MAX)).map(bearing).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut beams = None;
+        if !sorted.is_sorted_by(|a, b| a.0.total_cmp(&b.0).is_le()) {
+            let mut order: Vec<u16> = (0..=u16::MAX).take(sorted.len()).collect();
+            order.sort_by(|a, b| sorted[usize::from(*a)].0.total_cmp(&sorted[usize::from(*b)].0));
+            sorted = order.iter().map(|beam| sorted[usize::from(*beam)]).collect();
+            beams = Some(order.into_boxed_slice());
+        }
         let wall = |index: usize| WallPoint {
             point: sorted[index].1,
             normal: wall_normal(&sorted, index, step_rad),
@@ -79,7 +87,17 @@ impl ScanView {
         for degree in 0..DEGREES {
             first_of_degree[degree + 1] += first_of_degree[degree];
         }
-        Self { points, first_of_degree }
+        Self { points, first_of_degree, beams }
+    }
+
+    /// The returns that it was made of, in their order.
+    #[must_use]
+    pub fn returns(&self) -> Box<[Point2]> {
+        let sorted = self.points.iter().map(|wall| wall.point);
+        let Some(beams) = &self.beams else { return sorted.collect() };
+        let mut points = vec![Point2::default(); self.points.len()];
+        beams.iter().zip(sorted).for_each(|(beam, point)| points[usize::from(*beam)] = point);
+        points.into()
     }
 
     /// The nearest point to a place in the scanner's frame, within a distance.

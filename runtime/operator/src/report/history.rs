@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
+use std::sync::Arc;
 
 use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
 use floorguard_types::time::Stamp;
@@ -9,6 +10,7 @@ use floorguard_types::time::Stamp;
 use super::close_up::{self, Fields};
 use floorguard_recording::decode::{self, Cloud, Drawn, Grid, LaserScan, Status};
 use floorguard_recording::mission::MISSION;
+use floorguard_recording::truth::is_truth;
 use floorguard_recording::{
     END_METADATA, LEARNED, RUN_METADATA, ReadError, Recorded, Recording, describe, topics,
 };
@@ -147,6 +149,7 @@ pub const HEAT_M: f32 = 0.5;
 struct Reader {
     history: History,
     first: Option<Stamp>,
+    odometry: Option<Arc<str>>,
     pose: Pose2,
     limit_mps: Option<f32>,
     mountings: BTreeMap<String, Transform3>,
@@ -203,7 +206,9 @@ impl Reader {
         self.history.duration_s = self.history.duration_s.max(at_s);
         let kind = message.schema.rsplit('/').next().unwrap_or_default();
         match (kind, &*message.topic) {
-            ("Odometry", _) => self.motion(at_s, &decode::odometry(&message.data)?),
+            ("Odometry", _) if self.is_own(&message.topic) => {
+                self.motion(at_s, &decode::odometry(&message.data)?)
+            }
             ("PointCloud2", _) if self.scan.is_none() => {
                 self.on_cloud(at_s, &decode::cloud(&message.data)?)?
             }
@@ -226,6 +231,11 @@ impl Reader {
             _ => {}
         }
         Some(())
+    }
+
+    /// Whether the robot's own odometry is on a topic: the first one that is no truth of a simulator.
+    fn is_own(&mut self, topic: &Arc<str>) -> bool {
+        !is_truth(topic) && *self.odometry.get_or_insert_with(|| topic.clone()) == *topic
     }
 
     fn motion(&mut self, at_s: f64, odometry: &decode::Odometry) {

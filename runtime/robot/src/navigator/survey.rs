@@ -157,9 +157,8 @@ impl Survey {
         self.correct();
         let start = Se2::from(self.start_in_map);
         self.mapper.poses.iter_mut().for_each(|pose| *pose = start.compose(*pose));
-        let nodes = self.mapper.tracker.nodes.iter().zip(&self.mapper.poses);
-        let scans = nodes.map(|(node, pose)| (*pose, &*node.points));
-        let map = build_grid_map(scans, &GridMapConfig::default()).context("no scan has a return")?;
+        let map =
+            build_grid_map(self.mapper.scans(), &GridMapConfig::default()).context("no scan has a return")?;
         let base_in_scanner = Se2::from(self.scanner_in_base).inverse();
         let scanner = self.mapper.matched_trajectory();
         let path: Vec<(f64, Se2)> =

@@ -12,10 +12,10 @@ const STRIDE: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     /// Index of the block.
-    pub(super) block: usize,
+    pub(super) block: u32,
     /// Block row and block column in the front.
-    pub(super) row: usize,
-    pub(super) column: usize,
+    pub(super) row: u32,
+    pub(super) column: u32,
 }
 
 /// A group of columns, its dense front, and where it lies in the factor. Rows and columns of a front are numbers; the
@@ -148,7 +148,8 @@ impl Analysis {
                 let (a, b) = (self.positions[variable], self.positions[other]);
                 let front = self.front_of[a.min(b)];
                 let (row, column) = (self.row_in(front, a.max(b)), a.min(b) - self.fronts[front].first);
-                self.fronts[front].entries.push(Entry { block, row, column });
+                let [number, row, column] = [block, row, column].map(|number| number as u32);
+                self.fronts[front].entries.push(Entry { block: number, row, column });
                 block += 1;
             }
         }

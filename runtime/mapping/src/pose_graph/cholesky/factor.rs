@@ -65,9 +65,10 @@ impl Factor {
 /// The matrix's own blocks.
 fn assemble(front: &Front, blocks: &[Block], columns: &mut [f64]) {
     for entry in &front.entries {
-        let block = &blocks[entry.block];
+        let [block, row, column] = [entry.block, entry.row, entry.column].map(|number| number as usize);
+        let block = &blocks[block];
         for s in 0..BLOCK {
-            let start = (BLOCK * entry.column + s) * front.height + BLOCK * entry.row;
+            let start = (BLOCK * column + s) * front.height + BLOCK * row;
             for (value, from) in columns[start..start + BLOCK].iter_mut().zip(block.column(s).iter()) {
                 *value += from;
             }
