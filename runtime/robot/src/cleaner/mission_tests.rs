@@ -123,3 +123,40 @@ fn people_are_waited_for_longer_than_objects() {
     assert_eq!(detours_after(3.0, Cause::CollisionStop, None), 0);
     assert_eq!(detours_after(7.0, Cause::CollisionStop, None), 1);
 }
+
+/// A mission whose brush stands on the last cells of it.
+fn on_the_last_cells() -> (Cleaner, Pose2) {
+    let (_, mut cleaner) = begun();
+    for step in 1..=14_u8 {
+        let odometry = Pose2::new(0.1 * f32::from(step), 0.0, 0.0);
+        cleaner.localiser.update(&cleaner.ground.floor, odometry, &[], false);
+    }
+    assert!(cleaner.localiser.active_cells() > 0);
+    let pose = cleaner.localiser.pose(Pose2::new(1.4, 0.0, 0.0));
+    (cleaner, pose)
+}
+
+/// People who hold the robot on the last cells end no mission: their cells would never be claimed.
+#[test]
+fn leaving_that_is_broken_off_counts_not() {
+    let (mut cleaner, pose) = on_the_last_cells();
+    for second in 0..100_u8 {
+        assert!(cleaner.end(pose, f32::from(second)));
+        cleaner.track = Track::default();
+    }
+    assert_ne!(cleaner.phase, MissionPhase::Done);
+    // For ever it does not try.
+    assert!(!cleaner.end(pose, 121.0));
+    assert_eq!(cleaner.phase, MissionPhase::Done);
+}
+
+#[test]
+fn leavings_that_show_nothing_end_it() {
+    let (mut cleaner, pose) = on_the_last_cells();
+    for _ in 0..6 {
+        assert!(cleaner.end(pose, 1.0));
+        cleaner.arrive();
+    }
+    assert!(!cleaner.end(pose, 1.0));
+    assert_eq!(cleaner.phase, MissionPhase::Done);
+}

@@ -21,8 +21,9 @@ pub(super) const VISITS_MAX: u8 = 12;
 const TRY_AGAIN_S: f32 = 1.0;
 /// From the last cell the robot drives off by this, so that the brush has left it, metres.
 const LEAVES_M: f32 = 0.9;
-/// Times that it does so at the end.
+/// Times that it gets there at the end, and how long it tries while people or objects keep it there, seconds.
 const LEAVINGS_MAX: u8 = 6;
+const LEAVES_FOR_S: f32 = 120.0;
 /// Held again within this distance, the robot does something else first, metres.
 const SAME_PLACE_M: f32 = 0.3;
 /// Waypoints that are left on the last straight, over the dirt.
@@ -36,6 +37,14 @@ const ENTRY_M: f32 = 0.3;
 const BESIDE_M: f32 = 0.1;
 const ALONG_RAD: f32 = 0.2;
 
+/// How often the robot has driven off what it cleaned last, and since when it wants to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Leavings {
+    /// To the end of the way: one that people have broken off is none.
+    driven: u8,
+    since_s: Option<f32>,
+}
+
 impl Cleaner {
     pub(super) fn arrive(&mut self) {
         self.track = Track::default();
@@ -44,6 +53,8 @@ impl Cleaner {
             let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
             around.into_iter().for_each(|cell| self.passes[cell] = self.passes[cell].saturating_add(1));
             self.tours.finish(target);
+        } else if !self.near.is_leaving {
+            self.leavings.driven = self.leavings.driven.saturating_add(1);
         }
     }
 
@@ -138,7 +149,7 @@ impl Cleaner {
         self.replan(pose, now_s);
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
         if self.plan_best_pass(pose, now_s) {
-            self.leavings = 0;
+            self.leavings = Leavings::default();
             return true;
         }
         // Nothing near can be passed over now: the way to what is farther, in the order of the tour.
@@ -149,7 +160,7 @@ impl Cleaner {
             let fresh = open().find(|cell| self.passes[*cell] == 0);
             let Some(cell) = fresh.or_else(|| open().next()) else { break };
             if self.plan_to(cell, pose, now_s) {
-                self.leavings = 0;
+                self.leavings = Leavings::default();
                 return true;
             }
             self.postpone(cell, now_s);
@@ -163,11 +174,12 @@ impl Cleaner {
 
     /// Nothing is left: the last cells are decided only when the brush has left them.
     pub(super) fn end(&mut self, pose: Pose2, now_s: f32) -> bool {
-        if self.localiser.active_cells() == 0 || self.leavings >= LEAVINGS_MAX {
+        let since_s = *self.leavings.since_s.get_or_insert(now_s);
+        let is_in_vain = self.leavings.driven >= LEAVINGS_MAX || now_s - since_s > LEAVES_FOR_S;
+        if self.localiser.active_cells() == 0 || is_in_vain {
             self.phase = MissionPhase::Done;
             return false;
         }
-        self.leavings += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
         let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
         self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|path| {
