@@ -1,4 +1,4 @@
-//! What a list of people means for a motion: who is near, who is reached, and when a stop for them may end.
+//! A list of people against a motion: distances, times to a collision, and when a stop for people may end.
 
 mod meeting;
 mod stop_triggers;

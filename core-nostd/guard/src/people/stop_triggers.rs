@@ -1,4 +1,4 @@
-//! The people for whom the robot was stopped: the stop ends when all of them are seen to diverge from it (FG-REQ-086).
+//! The people who triggered a stop. The stop ends when all of them are seen to diverge from the robot (FG-REQ-086).
 
 use floorguard_types::number::truncating_u32;
 use floorguard_types::time::{Age, Stamp};
@@ -8,15 +8,15 @@ const LISTS: u8 = 2;
 /// A bit for each person that is kept. A stop for more people lasts until a second after the last evidence.
 const BITS: [u8; 4] = [1, 2, 4, 8];
 
-/// The people whom the robot would have reached, and what the lists have shown of them since.
+/// The people on a collision course with the robot, and what the lists of people have shown since.
 ///
-/// A person who is in no list any more may stand behind a shelf: that is silence, and ends no stop sooner.
+/// A person who disappears from the lists may stand behind a shelf: silence ends no stop sooner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StopTriggers {
     pub(crate) ids: [u32; BITS.len()],
     /// Which of `ids` are people.
     known: u8,
-    /// There were more people, or a bit has flipped: not everybody is known.
+    /// There were more people than bits, or memory was corrupted: the list is not complete.
     is_incomplete: bool,
     pub(crate) diverging_lists: u8,
     newest: Stamp,
@@ -25,7 +25,7 @@ pub struct StopTriggers {
 }
 
 impl StopTriggers {
-    /// Nobody has stopped the robot. Its sum is wrong for anything else.
+    /// No person has triggered a stop; with its sum.
     pub const NONE: Self = Self {
         ids: [0; BITS.len()],
         known: 0,
@@ -46,7 +46,7 @@ impl StopTriggers {
         self.sum == self.summed()
     }
 
-    /// Changes it; after a flipped bit nobody is known, and not everybody.
+    /// Changes it. After a corruption the list is empty and incomplete.
     fn change(&mut self, by: impl FnOnce(&mut Self)) {
         if !self.is_whole() {
             *self = Self { is_incomplete: true, ..Self::NONE };
@@ -55,14 +55,14 @@ impl StopTriggers {
         self.sum = self.summed();
     }
 
-    /// The bit of a person who has stopped the robot; 0 of anybody else.
+    /// The bit of a person who triggered the stop; 0 for any other person.
     #[must_use]
     pub fn bit(&self, id: u32) -> u8 {
         let found = self.ids.iter().zip(BITS).find(|(known, bit)| **known == id && self.known & bit != 0);
         found.filter(|_| self.is_whole()).map_or(0, |(_, bit)| bit)
     }
 
-    /// The robot would reach this person.
+    /// This person is on a collision course.
     pub fn add(&mut self, id: u32) {
         if self.bit(id) != 0 {
             return;
@@ -76,7 +76,7 @@ impl StopTriggers {
         });
     }
 
-    /// No stop for people is in force: those of the last one count no more.
+    /// No stop for people is in force: the triggers of the last one are obsolete.
     pub fn forget(&mut self) {
         if self.known != 0 || self.is_incomplete || !self.is_whole() {
             let newest = if self.is_whole() { self.newest } else { Stamp::ZERO };
@@ -85,7 +85,7 @@ impl StopTriggers {
         }
     }
 
-    /// A whole list of people of a moment: whether the robot would reach somebody of it, and the bits of those who diverge. `true`: the
+    /// After a whole list of people: whether any of them is on a collision course, and the bits of those who diverge. `true`: the
     /// stop may end. A list that is not newer than the last one, or not from the past, shows nothing.
     pub fn follow(&mut self, (reaches, diverging): (bool, u8), stamp: Stamp, now: Stamp) -> bool {
         let is_new = stamp > self.newest && matches!(stamp.age(now), Age::Past(_));

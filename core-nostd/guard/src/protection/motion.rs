@@ -44,9 +44,9 @@ impl Motion {
         self.drive_fastest_mps = fastest_mps(&config.footprint, self.drive);
     }
 
-    /// Motion by the encoders, for the way until the robot stands. A turn that brings no point of the body farther aside than 5 mm by then
-    /// is none: at a crawl a tick of an encoder more on one side is a curve of some metres, and would lead into whatever stands beside
-    /// the body.
+    /// Motion by the encoders, for the braking distance. A rotation that moves no point of the body sideways by more than 5 mm until
+    /// standstill counts as zero: at a crawl one encoder tick of difference between the wheels looks like a curve with a radius of some
+    /// metres, which would lead into an object beside the body.
     #[must_use]
     pub fn wheels_until_standstill(&self, config: &GuardConfig) -> Twist2 {
         let (twist, drive) = (self.wheels, &config.drive);

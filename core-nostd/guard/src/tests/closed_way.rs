@@ -111,8 +111,8 @@ fn fg_req_065_reset_of_an_open_way_keeps_it() {
     assert!(cells >= 2, "{cells}");
 }
 
-/// One tick of an encoder more on one side, at a crawl: the robot backs away from what stands 5 cm beside it. What turns it in earnest
-/// holds.
+/// At a crawl a difference of one encoder tick between the wheels is noise: the robot may back away from an object 5 cm beside it. A real
+/// turn stops it.
 #[test]
 fn fg_req_027_noise_of_encoders_is_no_curve() {
     let beside = |turns_radps: f32| {
