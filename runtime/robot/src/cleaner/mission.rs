@@ -32,7 +32,7 @@ use super::progress::{MissionPhase, MissionWatch};
 use super::refused::RefusedMotion;
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
-use super::targets::{Leavings, VISITS_MAX};
+use super::targets::{Departures, VISITS_MAX};
 use super::times::{TimeUse, Times, is_standing};
 use super::track::Track;
 use crate::site::{Localiser, RecentPoses, scrubber};
@@ -148,7 +148,7 @@ pub struct Cleaner {
     pub(super) passes: Vec<u8>,
     pub(super) target: Option<usize>,
     pub(super) postponed: Vec<(usize, f32)>,
-    pub(super) leavings: Leavings,
+    pub(super) departures: Departures,
     pub(super) try_s: f32,
     pub(super) requested: Twist2,
     pub(super) held_s: f32,
@@ -216,7 +216,7 @@ impl Cleaner {
             passes: vec![0; raster.cell_count()],
             target: None,
             postponed: Vec::new(),
-            leavings: Leavings::default(),
+            departures: Departures::default(),
             try_s: 0.0,
             requested: Twist2::ZERO,
             held_s: 0.0,

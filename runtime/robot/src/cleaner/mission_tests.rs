@@ -136,24 +136,26 @@ fn on_the_last_cells() -> (Cleaner, Pose2) {
     (cleaner, pose)
 }
 
-/// People who hold the robot on the last cells end no mission: their cells would never be claimed.
+/// People who block the robot on its last cells do not end the mission: these cells would never be claimed.
 #[test]
-fn leaving_that_is_broken_off_counts_not() {
+fn interrupted_departures_do_not_end_it() {
     let (mut cleaner, pose) = on_the_last_cells();
     for second in 0..100_u8 {
         assert!(cleaner.end(pose, f32::from(second)));
         cleaner.track = Track::default();
     }
     assert_ne!(cleaner.phase, MissionPhase::Done);
-    // For ever it does not try.
+    // Two minutes of attempts do.
     assert!(!cleaner.end(pose, 121.0));
     assert_eq!(cleaner.phase, MissionPhase::Done);
 }
 
 #[test]
-fn leavings_that_show_nothing_end_it() {
+fn six_completed_departures_end_it() {
     let (mut cleaner, pose) = on_the_last_cells();
     for _ in 0..6 {
+        // Before, the robot retreated from a person.
+        cleaner.near.is_leaving = true;
         assert!(cleaner.end(pose, 1.0));
         cleaner.arrive();
     }

@@ -1,7 +1,7 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
 use floorguard_cleaning::{Lane, PlanCells};
-use floorguard_mapping::{GridCoordinates, NO_SLOT};
+use floorguard_mapping::NO_SLOT;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -12,6 +12,7 @@ use super::progress::MissionPhase;
 use super::surroundings::Surroundings;
 use super::track::Track;
 use super::visits::{CLUSTER_M, way_left_m};
+use crate::site::cells_around;
 
 /// A cell that nobody can get to now is tried again after this, seconds.
 const POSTPONED_S: f32 = 12.0;
@@ -19,11 +20,11 @@ const POSTPONED_S: f32 = 12.0;
 pub(super) const VISITS_MAX: u8 = 12;
 /// After tries in vain the robot waits this long before the next, seconds.
 const TRY_AGAIN_S: f32 = 1.0;
-/// From the last cell the robot drives off by this, so that the brush has left it, metres.
-const LEAVES_M: f32 = 0.9;
-/// Times that it gets there at the end, and how long it tries while people or objects keep it there, seconds.
-const LEAVINGS_MAX: u8 = 6;
-const LEAVES_FOR_S: f32 = 120.0;
+/// Distance of a departure: the robot drives off the last cells, so that the brush leaves them, metres.
+const DEPARTURE_M: f32 = 0.9;
+/// Completed departures after which a mission ends, and how long it tries while people or objects block the way, seconds.
+const DEPARTURES_MAX: u8 = 6;
+const DEPARTURES_FOR_S: f32 = 120.0;
 /// Held again within this distance, the robot does something else first, metres.
 const SAME_PLACE_M: f32 = 0.3;
 /// Waypoints that are left on the last straight, over the dirt.
@@ -37,11 +38,12 @@ const ENTRY_M: f32 = 0.3;
 const BESIDE_M: f32 = 0.1;
 const ALONG_RAD: f32 = 0.2;
 
-/// How often the robot has driven off what it cleaned last, and since when it wants to.
+/// Departures from the last cells of a mission.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Leavings {
-    /// To the end of the way: one that people have broken off is none.
-    driven: u8,
+pub(super) struct Departures {
+    /// Driven to the end of the path; interrupted ones do not count.
+    completed: u8,
+    /// Time of the first attempt, seconds.
     since_s: Option<f32>,
 }
 
@@ -54,7 +56,7 @@ impl Cleaner {
             around.into_iter().for_each(|cell| self.passes[cell] = self.passes[cell].saturating_add(1));
             self.tours.finish(target);
         } else if !self.near.is_leaving {
-            self.leavings.driven = self.leavings.driven.saturating_add(1);
+            self.departures.completed = self.departures.completed.saturating_add(1);
         }
     }
 
@@ -128,13 +130,7 @@ impl Cleaner {
     }
 
     pub(super) fn cells_within(&self, cell: usize, distance_m: f32) -> impl Iterator<Item = usize> {
-        let raster = *self.ground.raster();
-        let centre = raster.centre(cell);
-        let GridCoordinates { column, row } = raster.coordinates_of(centre);
-        let reach = (distance_m * raster.cells_per_metre()).ceil() as i32;
-        let offsets = (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
-        let cells = offsets.filter_map(move |(dx, dy)| raster.index(column + dx, row + dy));
-        cells.filter(move |near| raster.centre(*near).distance(centre) <= distance_m)
+        cells_around(self.ground.raster(), self.ground.raster().centre(cell), distance_m)
     }
 
     /// Finds something to do; false: wait, or the mission is over.
@@ -149,7 +145,7 @@ impl Cleaner {
         self.replan(pose, now_s);
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
         if self.plan_best_pass(pose, now_s) {
-            self.leavings = Leavings::default();
+            self.departures = Departures::default();
             return true;
         }
         // Nothing near can be passed over now: the way to what is farther, in the order of the tour.
@@ -160,7 +156,7 @@ impl Cleaner {
             let fresh = open().find(|cell| self.passes[*cell] == 0);
             let Some(cell) = fresh.or_else(|| open().next()) else { break };
             if self.plan_to(cell, pose, now_s) {
-                self.leavings = Leavings::default();
+                self.departures = Departures::default();
                 return true;
             }
             self.postpone(cell, now_s);
@@ -174,16 +170,17 @@ impl Cleaner {
 
     /// Nothing is left: the last cells are decided only when the brush has left them.
     pub(super) fn end(&mut self, pose: Pose2, now_s: f32) -> bool {
-        let since_s = *self.leavings.since_s.get_or_insert(now_s);
-        let is_in_vain = self.leavings.driven >= LEAVINGS_MAX || now_s - since_s > LEAVES_FOR_S;
+        let since_s = *self.departures.since_s.get_or_insert(now_s);
+        let is_in_vain = self.departures.completed >= DEPARTURES_MAX || now_s - since_s > DEPARTURES_FOR_S;
         if self.localiser.active_cells() == 0 || is_in_vain {
             self.phase = MissionPhase::Done;
             return false;
         }
         let here = Point2::new(pose.x_m, pose.y_m);
-        let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
+        let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > DEPARTURE_M;
         self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|path| {
             self.track = Track::new(path);
+            self.near.is_leaving = false;
             self.tours.plan_at(now_s);
             true
         })

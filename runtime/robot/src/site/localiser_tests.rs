@@ -55,6 +55,23 @@ fn silent_dirt_sensor_moves_no_pose_there() {
     assert_eq!(left, 0, "of {}", dirty.len());
 }
 
+/// A robot that does not trust its pose cleans without credit, too.
+#[test]
+fn floor_of_an_untrusted_robot_is_uncredited() {
+    let (floor, mut localiser, _) = before_a_spill();
+    localiser.is_trusted = false;
+    drive((&floor, &mut localiser), 25, true);
+    localiser.is_trusted = true;
+    localiser.relocate(floor.start, Pose2::default());
+    let off_m = drive((&floor, &mut localiser), 25, true);
+    assert!(off_m < 0.05 && localiser.leaps == 0, "{off_m:.3} m off, {} leaps", localiser.leaps);
+    // A restored map says what lies there.
+    let (cells, spill) = (localiser.remembered(), floor.start.transform(Point2::new(1.5, 0.0)));
+    assert!(localiser.uncredited.is_around(localiser.map.geometry(), (spill, 1.0)));
+    localiser.restore((&cells, floor.start), Pose2::default());
+    assert!(!localiser.uncredited.is_around(localiser.map.geometry(), (spill, 1.0)));
+}
+
 /// Where nothing was given up, a silent dirt sensor says that the brush is beside the dirt.
 #[test]
 fn silent_dirt_sensor_speaks_on_other_floor() {

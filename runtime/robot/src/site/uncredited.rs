@@ -1,11 +1,13 @@
 //! Floor that the brush may have cleaned without credit.
 //!
-//! A belief that finds its pose wrong gives up what the brush was credited with; while it does not trust its pose it credits nothing. The
-//! brush turned all the same, so that less dirt may lie there than the map expects. A dirt sensor that is silent above such cells would
-//! speak against every pose, the true one most of all: the next pass would end with a wrong pose again, and so on for ever.
+//! A belief that finds its pose wrong withdraws the credit of the brush; while it does not trust its pose it gives none. The brush cleaned
+//! all the same, so that less dirt may lie there than the map expects. A dirt sensor without hits over such cells would be evidence against
+//! every pose, above all the true one: the next pass would end with a wrong pose again, without end.
 
-use floorguard_mapping::{GridCoordinates, GridGeometry};
+use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
+
+use super::cells_around::cells_around;
 
 /// Which cells these are.
 #[derive(Clone, Debug, Default)]
@@ -14,13 +16,13 @@ pub struct UncreditedFloor {
 }
 
 impl UncreditedFloor {
-    /// None of so many cells.
+    /// A raster of so many cells, all credited.
     #[must_use]
     pub fn new(cells: usize) -> Self {
         Self { is_uncredited: vec![false; cells] }
     }
 
-    /// The brush was on this cell, and got no credit for it.
+    /// The brush was on this cell, without credit.
     pub fn add(&mut self, cell: usize) {
         if let Some(is_uncredited) = self.is_uncredited.get_mut(cell) {
             *is_uncredited = true;
@@ -40,20 +42,10 @@ impl UncreditedFloor {
         cells_around(geometry, place, reach_m).any(|cell| self.is_uncredited.get(cell) == Some(&true))
     }
 
-    /// The expected dirt is new: nothing is known against it.
+    /// The expected dirt is new: it holds everywhere.
     pub fn clear(&mut self) {
         self.is_uncredited.fill(false);
     }
-}
-
-/// Cells whose middle is within a distance of a place.
-fn cells_around(geometry: &GridGeometry, place: Point2, reach_m: f32) -> impl Iterator<Item = usize> {
-    let geometry = *geometry;
-    let GridCoordinates { column, row } = geometry.coordinates_of(place);
-    let reach = (reach_m * geometry.cells_per_metre()).ceil() as i32;
-    let offsets = (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
-    let cells = offsets.filter_map(move |(dx, dy)| geometry.index(column + dx, row + dy));
-    cells.filter(move |cell| geometry.centre(*cell).distance(place) <= reach_m)
 }
 
 #[cfg(test)]
